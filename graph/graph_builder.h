@@ -1,0 +1,41 @@
+#pragma once
+
+#include <atomic>
+#include <functional>
+#include <stdexcept>
+#include <string>
+#include <vector>
+
+#include "datasets/motion_clip.h"
+#include "graph/motion_graph.h"
+
+namespace morphograph {
+
+/// Thrown out of training when `TrainingOptions::cancelled` was set.
+class TrainingCancelled : public std::runtime_error {
+ public:
+  TrainingCancelled() : std::runtime_error("training was cancelled") {}
+};
+
+struct TrainingOptions {
+  std::string name = "walk";
+  std::string action = "walk";
+  int jobs = 1;                   // threads; the result does not depend on it
+  double variance_kept = 0.99;    // of the weighted PCA
+  std::uint64_t seed = 1;         // of k-means++ starts
+  std::string source, licence, attribution, command;  // provenance, kept in the model
+  std::function<void(const std::string& stage, double fraction)> progress;  // fraction of the whole, [0, 1]
+  const std::atomic<bool>* cancelled = nullptr;
+};
+
+/// A clip to learn from; `made` marks mirrored, bent and synthetic ones.
+struct TrainingClip {
+  MotionClip clip;
+  bool made = false;
+};
+
+/// Learns a motion graph from clips (METHODS sections 1-3).
+/// @throws DatasetError when nothing can be learned (no leg roles, no two consecutive steps in any clip), saying why.
+std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& clips, const TrainingOptions& options);
+
+}  // namespace morphograph

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "datasets/contact_detector.h"
+#include "datasets/motion_clip.h"
+
+namespace morphograph {
+
+/// Where a clip begins: floor position (x, z) in metres; heading in radians, 0 along +Z, pi/2 along +X.
+struct StartPose {
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  double heading_rad = 0;
+};
+
+/// What to synthesise. Either `duration_s` or `steps`; neither means 5 s.
+struct SynthesisRequest {
+  std::uint64_t seed = 0;
+  std::optional<std::string> style;   // any of the graph's styles; drawn by the seed when empty
+  std::optional<double> duration_s;   // (0, 600]
+  std::optional<int> steps;           // [1, 1000]
+  StartPose start;
+  std::optional<double> frame_rate_hz;  // (0, 240]; the model's own when empty
+
+  /// What is wrong with the numbers, if anything: the field's name and the reason.
+  std::optional<std::pair<std::string, std::string>> FirstProblem() const;
+};
+
+/// One step of the walk over the graph; frames [from, to] of the clip.
+struct StepReport {
+  std::string primitive;
+  int from = 0;
+  int to = 0;
+  double log_likelihood = 0;
+};
+
+/// A planted interval of one foot; position (x, z) of the ball of the foot.
+struct PlantedFoot {
+  ContactInterval interval;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+};
+
+/// Quality of a clip as the report gives it. Definitions: METHODS section 6.
+struct ClipQuality {
+  double contact_distance_m = 0;   // mean height error of the planted feet over stance
+  double foot_skate_cm_s = 0;
+  double penetration_m = 0;        // deepest point below the ground, >= 0
+  double naturalness = 0;          // Var D(F_i, F_i+1), Du Eq. 4.5-4.6
+  std::optional<double> log_likelihood;  // of synthesised clips, under the model
+};
+
+struct SynthesisReport {
+  std::uint64_t seed = 0;
+  std::string model_name;
+  std::string model_hash;
+  std::string style;
+  double duration_s = 0;
+  int frames = 0;
+  std::vector<StepReport> steps;
+  std::vector<PlantedFoot> contacts;
+  std::vector<Eigen::Vector2d> path_m;  // root on the floor (x, z), one a frame
+  ClipQuality quality;
+};
+
+struct SynthesisResult {
+  MotionClip clip;
+  SynthesisReport report;
+};
+
+}  // namespace morphograph
