@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "graph/transition_model.h"
+#include "primitives/motion_primitive.h"
+#include "primitives/pose_layout.h"
+
+namespace morphograph {
+
+/// Where a model comes from; kept in its file and shown by `inspect`.
+struct ModelProvenance {
+  std::string source;       // of the recordings
+  std::string licence;
+  std::string attribution;  // text that must be kept
+  std::string command;      // that made the model
+  int clips = 0;
+  int frames = 0;
+  std::vector<std::string> notes;  // what training could not learn, dead ends
+};
+
+struct GraphStyle {
+  std::string name;  // empty where the data has no styles
+  MeanRotations mean_rotations;
+};
+
+struct GraphEdge {
+  int from = 0;  // primitive ids
+  int to = 0;
+  TransitionModel model;
+};
+
+/// Everything a graph is made of, before it is frozen.
+struct GraphContents {
+  std::string name;
+  std::string action;
+  double frame_rate_hz = 30;  // of the recordings
+  ModelProvenance provenance;
+  PoseLayout layout;
+  std::vector<GraphStyle> styles;
+  std::vector<MotionPrimitive> primitives;
+  std::vector<GraphEdge> edges;
+};
+
+/// The learned motion graph: vertex = primitive, edge = transition. Immutable and safe to share between threads.
+///
+/// Guarantees: sizes agree throughout, edge ends exist, probabilities of leaving a vertex sum to 1. Ids are positions in
+/// `primitives()` and `edges()`, stable for the life of a model.
+class MotionGraph {
+ public:
+  /// @param hash  content hash of the model file, hex.
+  /// @throws std::invalid_argument naming the primitive or edge whose sizes do not agree.
+  MotionGraph(GraphContents contents, std::string hash);
+  ~MotionGraph();
+  MotionGraph(const MotionGraph&) = delete;
+  MotionGraph& operator=(const MotionGraph&) = delete;
+
+  const std::string& name() const;
+  const std::string& action() const;
+  const std::string& hash() const;
+  double frame_rate_hz() const;
+  const ModelProvenance& provenance() const;
+  const PoseLayout& layout() const;
+  const Skeleton& skeleton() const;
+  const std::shared_ptr<const Skeleton>& shared_skeleton() const;
+  const std::vector<GraphStyle>& styles() const;
+  /// Names of the styles, without the empty one.
+  std::vector<std::string> style_names() const;
+
+  int primitive_count() const;
+  const MotionPrimitive& primitive(int id) const;
+  int edge_count() const;
+  int edge_from(int id) const;
+  int edge_to(int id) const;
+  const TransitionModel& transition(int id) const;
+  /// Edge ids that leave a primitive, by ascending id.
+  const std::vector<int>& out_edges(int primitive) const;
+  bool is_dead_end(int primitive) const { return out_edges(primitive).empty(); }
+
+ private:
+  struct Storage;  // hides Boost.Graph
+  std::unique_ptr<const Storage> storage_;
+};
+
+}  // namespace morphograph
