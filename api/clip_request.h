@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+
+#include "synthesis/synthesis_types.h"
+
+namespace morphograph {
+
+enum class OutputChannels { kPortable, kSource };
+enum class OutputUnit { kSource, kMetre, kCentimetre };
+
+/// How a clip is to be written.
+struct OutputFormat {
+  std::optional<double> frame_rate_hz;  // the model's own when empty
+  OutputChannels channels = OutputChannels::kPortable;
+  OutputUnit unit = OutputUnit::kSource;
+};
+
+/// A clip request (CONTRACT.md, "Clip request") as the client wrote it: metres, seconds, degrees.
+struct ClipRequest {
+  std::string model;  // empty only where the caller has one already
+  std::optional<std::uint64_t> seed;
+  std::optional<std::string> style;
+  std::optional<double> duration_s;
+  std::optional<int> steps;
+  double start_position_m[2] = {0, 0};  // x, z
+  double start_heading_deg = 0;
+  OutputFormat output;
+};
+
+/// Longest clip served, in seconds, in steps, and in frames at whatever rate was asked for.
+inline constexpr double kMaxDuration_s = 600;
+inline constexpr int kMaxSteps = 1000;
+inline constexpr double kMaxFrameRate_hz = 240;
+inline constexpr int kMaxFrames = 40'000;
+
+struct ClipRequestRules {
+  bool model_required = true;  // false where a model is given by other means
+};
+
+/// Parses and checks a clip request.
+///
+/// All fields that are wrong are reported at once, each with its JSON pointer.
+/// @throws ProblemError: 400 when malformed (not JSON, unknown field, wrong type), 422 when well formed but outside
+///   what can be made, with the nearest value that could.
+ClipRequest ParseClipRequest(std::string_view json, const ClipRequestRules& rules = {});
+
+/// The same checks on a request that was put together otherwise (command line flags).
+void CheckClipRequest(const ClipRequest& request, const ClipRequestRules& rules = {});
+
+/// The request as one line of JSON: fixed field order, no spaces, defaults left out, shortest numbers that read
+/// back the same. Parsing it gives the request again.
+std::string CanonicalJson(const ClipRequest& request);
+
+/// What the synthesiser is asked; `request.seed` must be set.
+SynthesisRequest ToSynthesisRequest(const ClipRequest& request);
+
+/// A seed as text: digits of a 64-bit unsigned integer and nothing else. Empty when it is anything else.
+std::optional<std::uint64_t> ParseSeed(std::string_view text);
+
+}  // namespace morphograph

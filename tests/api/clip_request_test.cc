@@ -1,0 +1,148 @@
+#include "api/clip_request.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "api/problem.h"
+
+namespace morphograph {
+namespace {
+
+using ::testing::HasSubstr;
+
+Problem ProblemOf(std::string_view json, const ClipRequestRules& rules = {}) {
+  try {
+    ParseClipRequest(json, rules);
+  } catch (const ProblemError& error) {
+    return error.problem();
+  }
+  ADD_FAILURE() << "was accepted: " << json;
+  return {};
+}
+
+// The one error of a request, as "status pointer".
+std::string Verdict(std::string_view json) {
+  const Problem problem = ProblemOf(json);
+  EXPECT_EQ(problem.errors.size(), 1u) << json;
+  return std::to_string(problem.status) + " " + (problem.errors.empty() ? "" : problem.errors[0].pointer);
+}
+
+TEST(ClipRequest, NeedsNothingButAModel) {
+  const ClipRequest request = ParseClipRequest(R"({"model":"walk"})");
+  EXPECT_EQ(request.model, "walk");
+  EXPECT_FALSE(request.seed || request.style || request.duration_s || request.steps || request.output.frame_rate_hz);
+}
+
+TEST(ClipRequest, ReadsEveryField) {
+  const ClipRequest request = ParseClipRequest(R"({
+    "model": "walk", "seed": 42, "style": "elderly", "duration": 8.0,
+    "start": {"position": [1.5, -2], "heading": 90},
+    "output": {"frame_rate": 60, "channels": "source", "unit": "cm"}})");
+  EXPECT_EQ(request.seed, 42u);
+  EXPECT_EQ(request.style, "elderly");
+  EXPECT_EQ(request.duration_s, 8.0);
+  EXPECT_EQ(request.output.channels, OutputChannels::kSource);
+  EXPECT_EQ(request.output.unit, OutputUnit::kCentimetre);
+  const SynthesisRequest synthesis = ToSynthesisRequest(request);
+  EXPECT_EQ(synthesis.start.position_m, Eigen::Vector2d(1.5, -2));
+  EXPECT_NEAR(synthesis.start.heading_rad, std::numbers::pi / 2, 1e-15);
+  EXPECT_EQ(synthesis.frame_rate_hz, 60.0);
+}
+
+TEST(ClipRequest, TakesEverySeedOf64BitsWithoutLoss) {
+  for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{9007199254740993},  // 2^53 + 1: no double holds it
+                                   std::uint64_t{9223372036854775808u}, ~std::uint64_t{0}}) {
+    const std::string text = std::to_string(seed);
+    EXPECT_EQ(ParseClipRequest(R"({"model":"walk","seed":)" + text + "}").seed, seed);
+    EXPECT_EQ(ParseSeed(text), seed);
+  }
+}
+
+TEST(ClipRequest, RefusesSeedsThatAreNotUnsigned64BitIntegers) {
+  for (const char* seed : {"-1", "18446744073709551616", "1.5", "1e3", "1.0", "-0", "\"7\"", "null", "true", "[1]"})
+    EXPECT_EQ(Verdict(std::string(R"({"model":"walk","seed":)") + seed + "}"), "400 /seed") << seed;
+  for (const char* seed : {"", "-1", "+1", " 1", "1 ", "1.5", "1e3", "0x10", "18446744073709551616", "seven"})
+    EXPECT_FALSE(ParseSeed(seed)) << seed;
+}
+
+TEST(ClipRequest, PointsAtTheFieldThatIsWrong) {
+  EXPECT_EQ(Verdict("{}"), "400 /model");
+  EXPECT_EQ(Verdict("[]"), "400 ");
+  EXPECT_EQ(Verdict(R"({"model":7})"), "400 /model");
+  EXPECT_EQ(Verdict(R"({"model":""})"), "400 /model");
+  EXPECT_EQ(Verdict(R"({"model":"walk","style":null})"), "400 /style");
+  EXPECT_EQ(Verdict(R"({"model":"walk","duration":"8"})"), "400 /duration");
+  EXPECT_EQ(Verdict(R"({"model":"walk","duration":0})"), "400 /duration");
+  EXPECT_EQ(Verdict(R"({"model":"walk","duration":-3})"), "400 /duration");
+  EXPECT_EQ(Verdict(R"({"model":"walk","steps":2.5})"), "400 /steps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","steps":-7})"), "400 /steps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","steps":3,"duration":2})"), "400 /steps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":[0,0]})"), "400 /start");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"position":[0]}})"), "400 /start/position");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"position":[0,"1"]}})"), "400 /start/position");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"heading":"north"}})"), "400 /start/heading");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"unit":"feet"}})"), "400 /output/unit");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"channels":""}})"), "400 /output/channels");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"frame_rate":0}})"), "400 /output/frame_rate");
+}
+
+TEST(ClipRequest, RefusesUnknownFieldsAtEveryLevel) {
+  EXPECT_EQ(Verdict(R"({"model":"walk","Seed":1})"), "400 /Seed");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"facing":1}})"), "400 /start/facing");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"fps":1}})"), "400 /output/fps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","a/b~c":1})"), "400 /a~1b~0c");
+}
+
+TEST(ClipRequest, SaysThatALaterFieldDoesNotExistYet) {
+  for (const std::string field : {"path", "goal", "constraints", "speed", "sensors", "count"}) {
+    const Problem problem = ProblemOf(R"({"model":"walk",")" + field + R"(":{}})");
+    EXPECT_EQ(problem.status, 400);
+    ASSERT_EQ(problem.errors.size(), 1u);
+    EXPECT_EQ(problem.errors[0].pointer, "/" + field);
+    EXPECT_THAT(problem.errors[0].detail, HasSubstr("does not exist yet"));
+  }
+}
+
+TEST(ClipRequest, NamesTheNearestValueThatCouldBeMet) {
+  const Problem problem = ProblemOf(R"({"model":"walk","duration":1e6})");
+  EXPECT_EQ(problem.status, 422);
+  EXPECT_EQ(problem.errors.at(0).pointer, "/duration");
+  EXPECT_THAT(problem.errors[0].detail, HasSubstr("at most 600"));
+  EXPECT_EQ(Verdict(R"({"model":"walk","steps":1001})"), "422 /steps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","steps":18446744073709551615})"), "422 /steps");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"frame_rate":241}})"), "422 /output/frame_rate");
+  EXPECT_EQ(Verdict(R"({"model":"walk","duration":600,"output":{"frame_rate":240}})"), "422 /duration");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"position":[1e9,0]}})"), "422 /start/position");
+}
+
+TEST(ClipRequest, ReportsAllThatIsWrongAtOnce) {
+  const Problem problem = ProblemOf(R"({"seed":-1,"steps":"2","colour":"red"})");
+  EXPECT_EQ(problem.errors.size(), 3u);
+}
+
+TEST(ClipRequest, KeepsTheAnswerShortWhateverWasSent) {
+  std::string body = R"({"model":"walk")";
+  for (int i = 0; i < 5000; ++i) body += ",\"" + std::to_string(i) + std::string(100, 'x') + "\":0";
+  const Problem problem = ProblemOf(body + "}");
+  EXPECT_LE(problem.errors.size(), 20u);
+  EXPECT_LE(ProblemJson(problem).size(), 4096u);
+}
+
+TEST(ClipRequest, CanonicalJsonReadsBackTheSame) {
+  const std::string spaced = R"( {"output":{"unit":"m","frame_rate":29.97}, "seed":18446744073709551615,
+      "start":{"heading":0.1,"position":[0,1e-3]}, "duration":3, "model":"walk", "style":"proud"} )";
+  const ClipRequest request = ParseClipRequest(spaced);
+  const std::string canonical = CanonicalJson(request);
+  EXPECT_EQ(canonical, R"({"model":"walk","seed":18446744073709551615,"style":"proud","duration":3.0,)"
+                       R"("start":{"position":[0.0,0.001],"heading":0.1},"output":{"frame_rate":29.97,"unit":"m"}})");
+  EXPECT_EQ(CanonicalJson(ParseClipRequest(canonical)), canonical);
+}
+
+TEST(ClipRequest, ModelMayBeLeftOutWhereTheCallerHasOne) {
+  EXPECT_NO_THROW(ParseClipRequest(R"({"steps":2})", {.model_required = false}));
+}
+
+}  // namespace
+}  // namespace morphograph
