@@ -11,9 +11,9 @@ namespace morphograph {
 
 /// Overrides of what is otherwise detected (a dataset manifest fills these).
 struct ClipImportOptions {
-  std::optional<double> metres_per_unit;  // else detected from the body's size
-  std::optional<UpAxis> up_axis;          // else detected from the pose
-  std::map<std::string, std::string> roles;  // role name -> joint name
+  std::optional<double> metres_per_unit = {};  // else detected from the body's size
+  std::optional<UpAxis> up_axis = {};          // else detected from the pose
+  std::map<std::string, std::string> roles = {};  // role name -> joint name
   bool drop_leading_rest = true;  // leading T-pose and all-zero rows
 };
 
@@ -35,7 +35,7 @@ MotionClip ImportClip(const BvhDocument& document, const ClipImportOptions& opti
 
 struct ClipExportOptions {
   bool source_channels = false;          // the source's own channel layout, else 6 on the root and 3 elsewhere
-  std::optional<double> metres_per_unit;  // unit of the written file; the source's when empty
+  std::optional<double> metres_per_unit = {};  // unit of the written file; the source's when empty
 };
 
 /// Turns a clip into a BVH document (CONTRACT.md, first paragraph: portable form). Euler angles are chosen
