@@ -1,0 +1,141 @@
+// Talks to the HTTP interface, version 1. Seeds are 64-bit, which JSON numbers of a browser cannot hold: they stay decimal text.
+
+export interface Step { primitive: string; from: number; to: number; log_likelihood?: number }
+export interface Contact { foot: 'left' | 'right'; from: number; to: number; position: [number, number] }
+
+export interface Quality {
+  contact_distance: number;
+  foot_skate_cm_s: number;
+  penetration: number;
+  naturalness: number;
+  log_likelihood?: number | null;
+}
+
+export interface Report {
+  model: { name: string; hash: string };
+  style?: string;
+  duration: number;
+  frames: number;
+  steps: Step[];
+  contacts: Contact[];
+  path: [number, number][];
+  quality: Quality;
+}
+
+export interface ModelEntry { name: string; action?: string; hash?: string; styles: string[]; attribution?: string; licence?: string }
+
+export interface Primitive {
+  name: string;
+  style?: string;
+  start?: string;
+  end?: string;
+  examples?: number;
+  made_examples?: number;
+  components?: number;
+  variance_kept?: number;
+  mixture_size?: number;
+  mean_duration?: number;
+  dead_end?: boolean;
+}
+
+export interface Edge { from: number; to: number; probability: number; pairs?: number }
+export interface Graph { primitives: Primitive[]; edges: Edge[] }
+
+export interface ClipRequest {
+  model: string;
+  seed: string;
+  style?: string;
+  duration?: number;
+  steps?: number;
+  start?: { heading: number };
+  output: { unit: 'm' | 'cm' | 'source'; frame_rate?: number };
+}
+
+export interface ClipResponse { bvh: string; report: Report; reportText: string; seed: string; location: string; milliseconds: number }
+
+/** What went wrong, as RFC 9457 problem+json tells it. */
+export class ApiError extends Error {
+  constructor(
+    readonly title: string,
+    readonly status: number,
+    readonly detail: string,
+    readonly errors: { pointer: string; detail: string }[] = [],
+  ) {
+    super(`${title}: ${detail}`);
+  }
+}
+
+async function send(path: string, init: RequestInit): Promise<Response> {
+  let response: Response;
+  try {
+    response = await fetch(path, init);
+  } catch {
+    throw new ApiError('The server does not answer', 0, 'No connection to it could be made. Is it still running?');
+  }
+  if (response.ok) return response;
+  const type = response.headers.get('Content-Type') ?? '';
+  if (/json/.test(type)) {
+    const problem = await response.json().catch(() => ({}));
+    throw new ApiError(problem.title ?? response.statusText, response.status, problem.detail ?? '', problem.errors ?? []);
+  }
+  throw new ApiError(response.statusText || 'Request failed', response.status, `The server answered with status ${response.status}.`);
+}
+
+/** The request as JSON text, with the seed as a plain number of any size. */
+export function requestText(request: ClipRequest): string {
+  const { seed, ...rest } = request;
+  const text = JSON.stringify(rest);
+  return `${text.slice(0, -1)},"seed":${seed}}`;
+}
+
+export async function listModels(): Promise<ModelEntry[]> {
+  const body = await (await send('v1/models', { headers: { Accept: 'application/json' } })).json();
+  return (Array.isArray(body) ? body : body.models) as ModelEntry[];
+}
+
+export async function fetchGraph(model: string): Promise<Graph> {
+  const path = `v1/models/${encodeURIComponent(model)}/graph`;
+  return (await send(path, { headers: { Accept: 'application/json' } })).json();
+}
+
+function post(request: ClipRequest, accept: string, signal?: AbortSignal): Promise<Response> {
+  return send('v1/clips', {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json', Accept: accept },
+    body: requestText(request),
+    signal,
+  });
+}
+
+export async function createClip(request: ClipRequest): Promise<ClipResponse> {
+  const started = performance.now();
+  const response = await post(request, 'application/json');
+  const text = await response.text();
+  const milliseconds = performance.now() - started;
+  const body = JSON.parse(text) as { bvh: string; report: Report };
+  return {
+    ...body,
+    reportText: reportFromBody(text),
+    seed: response.headers.get('Morphograph-Seed') ?? request.seed,
+    location: response.headers.get('Location') ?? '',
+    milliseconds,
+  };
+}
+
+export async function createBvh(request: ClipRequest): Promise<string> {
+  return (await post(request, 'text/plain')).text();
+}
+
+/** The report as the server wrote it, seed to its last digit; `"report"` is a member of the outermost object. */
+function reportFromBody(text: string): string {
+  const at = text.lastIndexOf('"report":');
+  const body = JSON.parse(text).report;
+  const raw = text.slice(at + 9, text.lastIndexOf('}')).trim();
+  // A member may follow the report; then it is written anew, at the cost of the seed's last digits.
+  try {
+    JSON.parse(raw);
+    return raw;
+  } catch {
+    return JSON.stringify(body, null, 2);
+  }
+}

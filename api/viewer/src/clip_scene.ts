@@ -1,0 +1,55 @@
+// Puts a clip on the stage: figure, path and foot prints, kept at the moment of the player.
+import type { Report } from './api_client';
+import type { ClipMotion } from './clip_motion';
+import { Figure } from './figure';
+import { FloorMarks } from './floor_marks';
+import type { Player } from './player';
+import type { Stage, View } from './stage';
+import { onTheme } from './theme';
+
+export class ClipScene {
+  private motion?: ClipMotion;
+  private report?: Report;
+  private figure?: Figure;
+  private marks?: FloorMarks;
+
+  constructor(private readonly stage: Stage, private readonly player: Player) {
+    player.onChange(() => this.update());
+    onTheme(() => {
+      this.figure?.recolour();
+      this.marks?.recolour();
+      stage.invalidate();
+    });
+  }
+
+  load(motion: ClipMotion, report: Report): void {
+    for (const part of [this.figure, this.marks]) {
+      if (part) this.stage.remove(part.object);
+      part?.dispose();
+    }
+    this.motion = motion;
+    this.report = report;
+    this.figure = new Figure(motion, report.contacts);
+    this.marks = new FloorMarks(motion, report.path, report.contacts);
+    this.stage.add(this.figure.object);
+    this.stage.add(this.marks.object);
+    this.update();
+  }
+
+  look(view: View): void {
+    if (this.motion) this.stage.look(view, this.motion.facing(this.player.frame));
+  }
+
+  private update(): void {
+    const { motion, report, figure, marks, player } = this;
+    if (!motion || !report || !figure || !marks) return;
+    motion.pose(player.time);
+    const planted = (foot: 'left' | 'right') =>
+      report.contacts.some((contact) => contact.foot === foot && contact.from <= player.frame && player.frame <= contact.to);
+    figure.showPlanted({ left: planted('left'), right: planted('right') });
+    marks.show(player.frame);
+    const hips = motion.bone('hips') ?? motion.root;
+    hips.updateWorldMatrix(true, false);
+    this.stage.moveFocus(hips.matrixWorld.elements[12], hips.matrixWorld.elements[14]);
+  }
+}

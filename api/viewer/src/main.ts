@@ -1,0 +1,182 @@
+// Wires the page together: form -> server -> clip -> player -> stage, time line, curves and graph.
+import { ApiError, createBvh, createClip, fetchGraph, listModels, type ClipRequest, type ClipResponse } from './api_client';
+import { ClipMotion } from './clip_motion';
+import { ClipScene } from './clip_scene';
+import { Curves } from './curves';
+import { byId, spoken } from './dom';
+import { fileName, save } from './downloads';
+import { GraphView } from './graph_view';
+import { Player } from './player';
+import { hideProblem, showProblem } from './problem_banner';
+import { showQuality } from './quality_panel';
+import { RequestForm } from './request_form';
+import { startShortcuts } from './shortcuts';
+import { Stage, type View } from './stage';
+import { startTheme } from './theme';
+import { Timeline, currentStep } from './timeline';
+
+startTheme(byId('theme'));
+const player = new Player();
+const stage = openStage();
+const scene = stage && new ClipScene(stage, player);
+const timeline = new Timeline(byId('timeline'), player);
+const curves = new Curves(byId('curves'), player);
+const graph = new GraphView(byId('graph'), byId('graph-details'), byId<HTMLSelectElement>('graph-style'));
+let clip: ClipResponse | undefined;
+let motion: ClipMotion | undefined;
+let lastRequest: ClipRequest | undefined;
+let newest = 0; // number of the latest request; answers to older ones are dropped
+
+const form = new RequestForm(() => void synthesise(), (model) => void loadGraph(model));
+
+function openStage(): Stage | undefined {
+  try {
+    return new Stage(byId<HTMLCanvasElement>('stage'));
+  } catch {
+    byId('no-webgl').hidden = false;
+    return undefined;
+  }
+}
+
+async function loadGraph(model: string): Promise<void> {
+  try {
+    graph.load(await fetchGraph(model));
+    highlight(true);
+  } catch (error) {
+    showProblem(error);
+  }
+}
+
+async function synthesise(): Promise<void> {
+  const request = form.read();
+  if (!request) return;
+  const number = ++newest;
+  byId('request').setAttribute('aria-busy', 'true');
+  try {
+    const answer = await createClip(request);
+    if (number !== newest) return;
+    show(answer, request);
+    form.writeAddress();
+    hideProblem();
+  } catch (error) {
+    if (number !== newest) return;
+    showProblem(error);
+    if (error instanceof ApiError) form.markErrors(error);
+  } finally {
+    if (number === newest) byId('request').removeAttribute('aria-busy');
+  }
+}
+
+function show(answer: ClipResponse, request: ClipRequest): void {
+  const first = !clip;
+  motion = new ClipMotion(answer.bvh);
+  clip = answer;
+  lastRequest = request;
+  player.load(motion.frames, motion.frameTime);
+  scene?.load(motion, answer.report);
+  timeline.load(answer.report);
+  curves.load(motion, answer.report.contacts);
+  showQuality(byId('quality'), answer.report);
+  const { report } = answer;
+  const style = report.style ? `, ${report.style}` : '';
+  byId('status').textContent = `${report.duration.toFixed(1)} s${style}: ${report.frames} frames, ${report.steps.length} steps, ` +
+    `made and sent in ${answer.milliseconds.toFixed(0)} ms`;
+  for (const id of ['save-bvh', 'save-report']) byId<HTMLButtonElement>(id).disabled = false;
+  highlight(true);
+  scene?.look(view);
+  // Playing starts by itself only once, and not for readers who asked for less motion.
+  if (first && !matchMedia('(prefers-reduced-motion: reduce)').matches) player.toggle(true);
+}
+
+let litStep = -2;
+function highlight(anew = false): void {
+  const report = clip?.report;
+  const step = currentStep(report, player.frame);
+  if (!report || (step === litStep && !anew)) return;
+  litStep = step;
+  graph.highlight(report.steps[step - 1]?.primitive, report.steps[step]?.primitive, report.style ?? '');
+  byId('current-step').textContent = step < 0 ? '' : spoken(report.steps[step].primitive);
+}
+
+player.onChange(() => {
+  highlight();
+  const button = byId('play');
+  button.classList.toggle('playing', player.playing);
+  button.setAttribute('aria-label', player.playing ? 'Pause' : 'Play');
+  byId('clock').textContent = `${player.time.toFixed(2)} / ${player.duration.toFixed(2)} s`;
+  byId('frame').textContent = `frame ${player.frame}`;
+});
+if (stage) stage.onFrame = (seconds) => player.advance(seconds);
+
+// Controls of playback and camera.
+const speed = byId<HTMLSelectElement>('speed');
+const follow = byId<HTMLInputElement>('follow');
+let view: View = 'corner';
+function look(next: View): void {
+  view = next;
+  for (const button of document.querySelectorAll<HTMLElement>('[data-view]')) {
+    button.setAttribute('aria-pressed', String(button.dataset.view === next));
+  }
+  scene?.look(next);
+}
+function changeSpeed(by: number): void {
+  speed.selectedIndex = Math.min(Math.max(speed.selectedIndex + by, 0), speed.options.length - 1);
+  player.setSpeed(Number(speed.value));
+}
+byId('play').addEventListener('click', () => player.toggle());
+speed.addEventListener('change', () => player.setSpeed(Number(speed.value)));
+follow.addEventListener('change', () => {
+  if (stage) stage.follow = follow.checked;
+  if (follow.checked) scene?.look(view);
+});
+for (const button of document.querySelectorAll<HTMLElement>('[data-view]')) {
+  button.addEventListener('click', () => look(button.dataset.view as View));
+}
+startShortcuts({
+  ' ': () => player.toggle(),
+  ArrowLeft: (shift) => player.stepFrames(shift ? -10 : -1),
+  ArrowRight: (shift) => player.stepFrames(shift ? 10 : 1),
+  Home: () => player.seek(0),
+  End: () => player.seek(player.duration),
+  '[': () => changeSpeed(-1),
+  ']': () => changeSpeed(1),
+  n: () => form.nextSeed(),
+  f: () => follow.click(),
+  '1': () => look('corner'),
+  '2': () => look('side'),
+  '3': () => look('front'),
+  '4': () => look('top'),
+});
+
+byId('save-bvh').addEventListener('click', async () => {
+  if (!clip || !lastRequest) return;
+  const unit = byId<HTMLSelectElement>('save-unit').value as ClipRequest['output']['unit'];
+  try {
+    const bvh = await createBvh({ ...lastRequest, output: { ...lastRequest.output, unit } });
+    save(bvh, fileName(lastRequest.model, clip.report.style, clip.seed, '.bvh'), 'text/plain');
+  } catch (error) {
+    showProblem(error);
+  }
+});
+byId('save-report').addEventListener('click', () => {
+  if (!clip || !lastRequest) return;
+  save(clip.reportText, fileName(lastRequest.model, clip.report.style, clip.seed, '.report.json'), 'application/json');
+});
+
+listModels().then((models) => form.offer(models), showProblem);
+
+// A handle for the console and for tests: what is being shown, without reaching into modules.
+Object.assign(window, {
+  morphograph: {
+    get state() {
+      return { frame: player.frame, frames: player.frames, time: player.time, playing: player.playing, seed: clip?.seed, report: clip?.report };
+    },
+    /** World positions of all joints as they are posed now, metres. */
+    joints: () => motion?.bones.map((bone) => {
+      bone.updateWorldMatrix(true, false);
+      return [bone.matrixWorld.elements[12], bone.matrixWorld.elements[13], bone.matrixWorld.elements[14]];
+    }) ?? [],
+    /** Draws at once, so that the canvas can be read back in the same task. */
+    render: () => stage?.render(),
+  },
+});

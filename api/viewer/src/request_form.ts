@@ -1,0 +1,136 @@
+// The form that says what to synthesise. Its state also stands in the page's address, so that a clip can be linked to.
+import type { ApiError, ClipRequest, ModelEntry } from './api_client';
+import { byId, html } from './dom';
+
+const SEED_LIMIT = 2n ** 64n;
+
+export class RequestForm {
+  private readonly form = byId<HTMLFormElement>('request');
+  private readonly model = byId<HTMLSelectElement>('model');
+  private readonly style = byId<HTMLSelectElement>('style');
+  private readonly seed = byId<HTMLInputElement>('seed');
+  private readonly length = byId<HTMLInputElement>('length');
+  private readonly lengthUnit = byId<HTMLSelectElement>('length-unit');
+  private readonly heading = byId<HTMLInputElement>('heading');
+  private readonly rate = byId<HTMLInputElement>('rate');
+  private models: ModelEntry[] = [];
+
+  /** `onRequest` is called whenever the request changed or is asked for again; `onModel` when another model is chosen. */
+  constructor(private readonly onRequest: () => void, private readonly onModel: (name: string) => void) {
+    this.form.addEventListener('submit', (event) => {
+      event.preventDefault();
+      this.ask();
+    });
+    this.form.addEventListener('change', (event) => {
+      if (event.target === this.model) {
+        this.offerStyles();
+        this.onModel(this.model.value);
+      }
+      if (event.target === this.lengthUnit) this.length.value = this.lengthUnit.value === 'steps' ? '12' : '8';
+      this.ask();
+    });
+    byId('next-seed').addEventListener('click', () => this.nextSeed());
+    byId('random-seed').addEventListener('click', () => {
+      const words = crypto.getRandomValues(new BigUint64Array(1));
+      this.seed.value = String(words[0] >> 32n); // ten digits are enough to type again
+      this.ask();
+    });
+    this.readAddress();
+  }
+
+  offer(models: ModelEntry[]): void {
+    this.models = models;
+    const wanted = new URLSearchParams(location.search);
+    this.model.replaceChildren(...models.map(({ name }) => html('option', { value: name }, name)));
+    if (models.some(({ name }) => name === wanted.get('model'))) this.model.value = wanted.get('model')!;
+    this.offerStyles();
+    const style = wanted.get('style');
+    if (style && [...this.style.options].some(({ value }) => value === style)) this.style.value = style;
+    this.onModel(this.model.value);
+    this.onRequest();
+  }
+
+  nextSeed(): void {
+    if (!/^\d+$/.test(this.seed.value.trim())) return this.ask();
+    this.seed.value = String((BigInt(this.seed.value) + 1n) % SEED_LIMIT);
+    this.ask();
+  }
+
+  /** The request that the fields say, or undefined (with the field marked) where they say nothing that could be sent. */
+  read(): ClipRequest | undefined {
+    this.clearMarks();
+    const seed = this.seed.value.trim();
+    // Any whole number is sent, so that the server is the one judge of its size.
+    if (!/^-?\d+$/.test(seed)) return this.mark(this.seed, 'The seed is a whole number.');
+    const length = this.length.valueAsNumber;
+    if (!Number.isFinite(length)) return this.mark(this.length, 'Give a number.');
+    const request: ClipRequest = { model: this.model.value, seed: BigInt(seed).toString(), output: { unit: 'm' } };
+    if (this.style.value) request.style = this.style.value;
+    request[this.lengthUnit.value === 'steps' ? 'steps' : 'duration'] = length;
+    if (this.heading.value) request.start = { heading: this.heading.valueAsNumber };
+    if (this.rate.value) request.output.frame_rate = this.rate.valueAsNumber;
+    return request;
+  }
+
+  /** Marks the fields that the server found fault with. */
+  markErrors(error: ApiError): void {
+    const fields: Record<string, HTMLElement> = {
+      '/model': this.model, '/style': this.style, '/seed': this.seed, '/duration': this.length, '/steps': this.length,
+      '/start/heading': this.heading, '/output/frame_rate': this.rate,
+    };
+    for (const { pointer, detail } of error.errors) {
+      const field = fields[pointer];
+      if (field) this.mark(field, detail);
+    }
+  }
+
+  writeAddress(): void {
+    const query = new URLSearchParams();
+    query.set('model', this.model.value);
+    query.set('seed', this.seed.value);
+    if (this.style.value) query.set('style', this.style.value);
+    query.set(this.lengthUnit.value, this.length.value);
+    if (this.heading.value) query.set('heading', this.heading.value);
+    if (this.rate.value) query.set('rate', this.rate.value);
+    history.replaceState(null, '', `?${query}`);
+  }
+
+  private ask(): void {
+    if (this.models.length > 0) this.onRequest();
+  }
+
+  private offerStyles(): void {
+    const before = this.style.value;
+    const styles = this.models.find(({ name }) => name === this.model.value)?.styles ?? [];
+    this.style.replaceChildren(html('option', { value: '' }, styles.length > 0 ? 'any (drawn by the seed)' : 'the only one'),
+      ...styles.filter((style) => style !== '').map((style) => html('option', { value: style }, style)));
+    this.style.disabled = styles.length === 0;
+    if (styles.includes(before)) this.style.value = before;
+  }
+
+  private readAddress(): void {
+    const query = new URLSearchParams(location.search);
+    if (query.has('seed')) this.seed.value = query.get('seed')!;
+    for (const unit of ['duration', 'steps']) {
+      if (query.has(unit)) [this.lengthUnit.value, this.length.value] = [unit, query.get(unit)!];
+    }
+    this.heading.value = query.get('heading') ?? '';
+    this.rate.value = query.get('rate') ?? '';
+  }
+
+  private mark(field: HTMLElement, detail: string): undefined {
+    field.setAttribute('aria-invalid', 'true');
+    const hint = html('p', { class: 'field-error', id: `${field.id}-error` }, detail);
+    field.setAttribute('aria-describedby', hint.id);
+    field.closest('.field')?.append(hint);
+    return undefined;
+  }
+
+  private clearMarks(): void {
+    for (const hint of this.form.querySelectorAll('.field-error')) hint.remove();
+    for (const field of this.form.querySelectorAll('[aria-invalid]')) {
+      field.removeAttribute('aria-invalid');
+      field.removeAttribute('aria-describedby');
+    }
+  }
+}
