@@ -1,0 +1,33 @@
+#include "synthesis/evaluation_motion.h"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "datasets/forward_kinematics.h"
+#include "datasets/resample.h"
+
+namespace morphograph {
+
+EvaluationMotion PrepareEvaluation(const MotionClip& clip) {
+  if (!clip.shared_skeleton()) throw std::invalid_argument("PrepareEvaluation: the clip has no skeleton");
+  if (clip.frame_count() < 2) {
+    throw std::invalid_argument("PrepareEvaluation: at least 2 frames are needed, not " +
+                                std::to_string(clip.frame_count()));
+  }
+  // Frame times of files carry rounding (0.0083333 s), so nearly 30 is 30.
+  if (std::abs(clip.frame_rate_hz() - kEvaluationRateHz) > 1e-3 * kEvaluationRateHz) {
+    const MotionClip resampled = Resample(clip, kEvaluationRateHz);
+    if (resampled.frame_count() < 2) {
+      throw std::invalid_argument("PrepareEvaluation: the clip is shorter than two frames at 30 fps");
+    }
+    return PrepareEvaluation(resampled);
+  }
+  EvaluationMotion motion;
+  motion.skeleton = clip.shared_skeleton();
+  motion.contacts = DetectContacts(clip);
+  motion.joint_positions = JointPositions(clip);
+  motion.ground = FitGroundPlane(motion.contacts);
+  return motion;
+}
+
+}  // namespace morphograph

@@ -1,0 +1,85 @@
+#include "synthesis/ground_plane.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <vector>
+
+namespace morphograph {
+namespace {
+
+// Spread of stance heights on a flat floor and of floor slopes; their ratio is the ridge.
+constexpr double kStanceSigma_m = 0.005;
+constexpr double kSlopeSigma = 0.01;
+constexpr int kReweightings = 4;
+
+double Quantile(std::vector<double>* values, double q) {
+  const size_t at = static_cast<size_t>(q * static_cast<double>(values->size() - 1));
+  std::nth_element(values->begin(), values->begin() + static_cast<std::ptrdiff_t>(at), values->end());
+  return (*values)[at];
+}
+
+std::vector<Eigen::Vector3d> StancePoints(const ContactTrack& contacts) {
+  std::vector<Eigen::Vector3d> points;
+  std::vector<double> x, y, z;
+  for (const ContactInterval& interval : contacts.intervals) {
+    const int side = interval.foot == Foot::kLeft ? 0 : 1;
+    x.clear(), y.clear(), z.clear();
+    for (int f = interval.first; f <= interval.last; ++f) {
+      const bool heel_is_lower = contacts.heels[side](1, f) < contacts.balls[side](1, f);
+      const auto point = heel_is_lower ? contacts.heels[side].col(f) : contacts.balls[side].col(f);
+      x.push_back(point.x()), y.push_back(point.y()), z.push_back(point.z());
+    }
+    if (y.empty()) continue;
+    points.emplace_back(Quantile(&x, 0.5), Quantile(&y, 0.5), Quantile(&z, 0.5));
+  }
+  return points;
+}
+
+}  // namespace
+
+GroundPlane FitGroundPlane(const ContactTrack& contacts) {
+  const Eigen::Index frames = contacts.balls[0].cols();
+  if (frames == 0 || contacts.balls[1].cols() != frames) {
+    throw std::invalid_argument("FitGroundPlane: contacts of at least one frame are needed, both feet alike");
+  }
+  const std::vector<Eigen::Vector3d> points = StancePoints(contacts);
+  GroundPlane plane;
+  if (points.empty()) {
+    std::vector<double> lower(static_cast<size_t>(frames));
+    for (Eigen::Index f = 0; f < frames; ++f) {
+      lower[static_cast<size_t>(f)] = std::min(contacts.balls[0](1, f), contacts.balls[1](1, f));
+    }
+    plane.height_m = Quantile(&lower, 0.05);
+    return plane;
+  }
+
+  // Centred, so that the ridge pulls the slopes alone and the answer does not depend on where the clip is.
+  Eigen::Vector3d centre = Eigen::Vector3d::Zero();
+  for (const Eigen::Vector3d& point : points) centre += point / static_cast<double>(points.size());
+  const double ridge = std::pow(kStanceSigma_m / kSlopeSigma, 2);
+  std::vector<double> weights(points.size(), 1.0);
+  Eigen::Vector3d fit(centre.y(), 0, 0);  // height at the centre, slope x, slope z
+  for (int round = 0; round < kReweightings; ++round) {
+    Eigen::Matrix3d normal = Eigen::Vector3d(0, ridge, ridge).asDiagonal();
+    Eigen::Vector3d right = Eigen::Vector3d::Zero();
+    for (size_t i = 0; i < points.size(); ++i) {
+      const Eigen::Vector3d row(1, points[i].x() - centre.x(), points[i].z() - centre.z());
+      normal += weights[i] * row * row.transpose();
+      right += weights[i] * points[i].y() * row;
+    }
+    fit = normal.ldlt().solve(right);
+    for (size_t i = 0; i < points.size(); ++i) {
+      const double residual = std::abs(
+          points[i].y() - fit.dot(Eigen::Vector3d(1, points[i].x() - centre.x(), points[i].z() - centre.z())));
+      weights[i] = residual <= kStanceSigma_m ? 1.0 : kStanceSigma_m / residual;
+    }
+  }
+  plane.slope_x = fit[1];
+  plane.slope_z = fit[2];
+  plane.height_m = fit[0] - fit[1] * centre.x() - fit[2] * centre.z();
+  return plane;
+}
+
+}  // namespace morphograph
