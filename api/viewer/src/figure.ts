@@ -166,7 +166,8 @@ export class Figure {
     if (!upper || !end) return;
     const tip = this.seenFrom(upper, `${side}_${lower}` as Role)!;
     this.attach(upper, taperedCapsule(new Vector3(), tip, from * size, to * size), this.limb[side]);
-    this.attach(upper, new SphereGeometry(from * 1.04 * size, 20, 14), this.joint);
+    // Knees and elbows show as joints; hips and shoulders lie within the trunk.
+    if (part === 'knee' || part === 'elbow') this.attach(upper, new SphereGeometry(from * 1.04 * size, 20, 14), this.joint);
     this.coverChain(end, upper);
   }
 

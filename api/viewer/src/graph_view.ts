@@ -132,16 +132,16 @@ export class GraphView {
 
 interface Point { x: number; y: number }
 
-/** A smooth line through the points of a route: quadratic pieces that meet half way between them. */
+/** A smooth line through all points of a route (Catmull-Rom as cubic pieces), so that it meets its label. */
 function curve(points: Point[]): string {
-  const at = ({ x, y }: Point) => `${x.toFixed(1)} ${y.toFixed(1)}`;
-  let d = `M${at(points[0])}`;
-  for (let i = 1; i + 1 < points.length; ++i) {
-    const last = i + 2 === points.length;
-    const end = last ? points[i + 1] : { x: (points[i].x + points[i + 1].x) / 2, y: (points[i].y + points[i + 1].y) / 2 };
-    d += `Q${at(points[i])} ${at(end)}`;
+  const at = (x: number, y: number) => `${x.toFixed(1)} ${y.toFixed(1)}`;
+  let d = `M${at(points[0].x, points[0].y)}`;
+  for (let i = 0; i + 1 < points.length; ++i) {
+    const [before, from, to, after] = [points[Math.max(i - 1, 0)], points[i], points[i + 1], points[Math.min(i + 2, points.length - 1)]];
+    d += `C${at(from.x + (to.x - before.x) / 6, from.y + (to.y - before.y) / 6)} ` +
+      `${at(to.x - (after.x - from.x) / 6, to.y - (after.y - from.y) / 6)} ${at(to.x, to.y)}`;
   }
-  return points.length === 2 ? `${d}L${at(points[1])}` : d;
+  return d;
 }
 
 function marker(id: string): SVGMarkerElement {

@@ -1,15 +1,16 @@
 // The room: ground, light, camera. Draws only when something changed, and lowers its own demands where drawing is slow
 // (software WebGL, old phones).
 import {
-  AmbientLight, Color, DirectionalLight, Fog, GridHelper, HemisphereLight, Mesh, Object3D, PCFShadowMap, PerspectiveCamera,
+  AmbientLight, Color, DirectionalLight, Fog, HemisphereLight, Mesh, Object3D, PCFShadowMap, PerspectiveCamera,
   PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
+import { FloorGrid } from './floor_grid';
 import { onTheme, themeColour } from './theme';
 
 export type View = 'corner' | 'side' | 'front' | 'top';
 
-const GRID_M = 60;
+const GROUND_M = 60;
 const LOOK_HEIGHT_M = 0.88;
 const SLOW_FRAME_MS = 45;
 
@@ -22,7 +23,7 @@ export class Stage {
   private readonly controls: OrbitControls;
   private readonly sun = new DirectionalLight(0xffffff, 2.1);
   private readonly ground: Mesh<PlaneGeometry, ShadowMaterial>;
-  private grids: GridHelper[] = [];
+  private readonly grid = new FloorGrid();
   private readonly focus = new Vector3(0, LOOK_HEIGHT_M, 0);
   private dirty = true;
   private last = 0;
@@ -44,13 +45,15 @@ export class Stage {
     this.controls.minDistance = 1;
     this.controls.maxDistance = 30;
     this.controls.addEventListener('change', () => (this.dirty = true));
-    this.ground = new Mesh(new PlaneGeometry(GRID_M, GRID_M).rotateX(-Math.PI / 2), new ShadowMaterial({ opacity: 0.28 }));
+    this.ground = new Mesh(new PlaneGeometry(GROUND_M, GROUND_M).rotateX(-Math.PI / 2), new ShadowMaterial({ opacity: 0.28 }));
     this.ground.receiveShadow = true;
+    this.ground.renderOrder = -1;
     this.sun.castShadow = true;
     this.sun.shadow.mapSize.set(1024, 1024);
     this.sun.shadow.radius = 3;
+    this.sun.shadow.normalBias = 0.02;
     Object.assign(this.sun.shadow.camera, { left: -1.6, right: 1.6, top: 2.2, bottom: -1.6, near: 0.5, far: 12 });
-    this.scene.add(this.ground, this.sun, this.sun.target, new HemisphereLight(0xffffff, 0x8f8a80, 1.5), new AmbientLight(0xffffff, 0.35));
+    this.scene.add(this.grid.object, this.ground, this.sun, this.sun.target, new HemisphereLight(0xffffff, 0x8f8a80, 1.5), new AmbientLight(0xffffff, 0.35));
     this.recolour();
     onTheme(() => this.recolour());
     new ResizeObserver(() => this.resize()).observe(canvas.parentElement!);
@@ -83,9 +86,8 @@ export class Stage {
     }
     this.sun.target.position.set(x, 0.6, z);
     this.sun.position.set(x + 2.2, 5.2, z + 1.6);
-    // The ground goes with the figure by whole squares, so that it never ends.
-    this.ground.position.set(x, 0, z);
-    for (const grid of this.grids) grid.position.set(Math.round(x / 5) * 5, 0.001, Math.round(z / 5) * 5);
+    this.ground.position.set(x, 0.001, z); // goes with the figure, so that it never ends
+    this.grid.centre(x, z);
     this.dirty = true;
   }
 
@@ -151,16 +153,7 @@ export class Stage {
     const sky = new Color(themeColour('--stage'));
     this.scene.background = sky;
     this.scene.fog = new Fog(sky, 9, 24);
-    for (const grid of this.grids) {
-      this.scene.remove(grid);
-      grid.dispose();
-    }
-    const fine = new Color(themeColour('--grid-fine'));
-    const coarse = new Color(themeColour('--grid-coarse'));
-    this.grids = [new GridHelper(GRID_M, GRID_M, fine, fine), new GridHelper(GRID_M, GRID_M / 5, coarse, coarse)];
-    this.grids[1].renderOrder = 1;
-    for (const grid of this.grids) grid.position.set(Math.round(this.focus.x / 5) * 5, 0.001, Math.round(this.focus.z / 5) * 5);
-    this.scene.add(...this.grids);
+    this.grid.recolour();
     this.dirty = true;
   }
 }
