@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "datasets/manifest.h"
+#include "datasets/motion_clip.h"
+
+namespace morphograph {
+
+/// A clip and where it comes from.
+struct LoadedClip {
+  MotionClip clip;             // `name` is the file stem, `style` as the manifest or the name says
+  std::filesystem::path file;
+  int first_frame = 0;         // frame of the file, from 0, that is the clip's first
+  std::string note;            // what the import found worth saying, else empty
+};
+
+/// A file that was left out on purpose.
+struct SkippedClip {
+  std::filesystem::path file;
+  std::string reason;
+};
+
+struct Dataset {
+  std::vector<LoadedClip> clips;     // in order of the paths given, files of a folder by name
+  std::vector<SkippedClip> skipped;
+  std::vector<std::string> notes;    // about the whole set
+};
+
+/// BVH files among `paths`: a file as it is, a folder searched to any depth for *.bvh (any case, hidden files left out), by name.
+/// A file that is named twice comes once.
+/// @throws DatasetError for a path that does not exist or cannot be searched, or when there is no file at all.
+std::vector<std::filesystem::path> FindBvhFiles(const std::vector<std::filesystem::path>& paths);
+
+/// Reads every clip of a set on up to `jobs` threads; the result does not depend on them.
+///
+/// Styles come from the manifest. Without a `style` pattern there, and when every file stem of the set has the form
+/// `<anything>_<word>_<number>`, the word is the style ("dataset-2_walk_elderly_004"); else styles are empty.
+/// @throws DatasetError naming the file of the first clip that is broken, or when nothing is left to use.
+Dataset LoadDataset(const std::vector<std::filesystem::path>& paths, const DatasetManifest& manifest = DatasetManifest(),
+                    int jobs = 1);
+
+}  // namespace morphograph

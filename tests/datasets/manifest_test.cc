@@ -1,0 +1,100 @@
+#include "datasets/manifest.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "datasets/errors.h"
+
+namespace morphograph {
+namespace {
+
+using ::testing::HasSubstr;
+
+std::string ErrorOf(const std::string& json) {
+  try {
+    ParseManifest(json, "set.json");
+  } catch (const DatasetError& error) {
+    return error.what();
+  }
+  return "";
+}
+
+TEST(Manifest, ReadsEveryField) {
+  const DatasetManifest manifest = ParseManifest(R"({
+    "name": "n", "action": "run", "source": "s", "licence": "l", "attribution": "a",
+    "metres_per_unit": 0.0254, "up_axis": "Z", "roles": {"left_toe": "Toe.L"},
+    "style": "_([a-z]+)_", "include": ["walk*"], "exclude": ["*33*", "old/*"],
+    "clips": {"06_02": {"from": 12, "to": 600, "style": "ball"}, "06_07": {"exclude": true}},
+    "mirror": true, "bend": true, "keyframes": "labels/mine.json"})", "sets/set.json");
+  EXPECT_EQ(manifest.name, "n");
+  EXPECT_EQ(manifest.action, "run");
+  EXPECT_EQ(manifest.source, "s");
+  EXPECT_EQ(manifest.licence, "l");
+  EXPECT_EQ(manifest.attribution, "a");
+  EXPECT_EQ(manifest.import.metres_per_unit, 0.0254);
+  EXPECT_EQ(manifest.import.up_axis, UpAxis::kZ);
+  EXPECT_EQ(manifest.import.roles.at("left_toe"), "Toe.L");
+  EXPECT_EQ(manifest.style_pattern, "_([a-z]+)_");
+  EXPECT_EQ(manifest.clips.at("06_02").from, 12);
+  EXPECT_EQ(manifest.clips.at("06_02").to, 600);
+  EXPECT_EQ(manifest.clips.at("06_02").style, "ball");
+  EXPECT_FALSE(manifest.clips.at("06_02").exclude);
+  EXPECT_TRUE(manifest.clips.at("06_07").exclude);
+  EXPECT_TRUE(manifest.mirror && manifest.bend);
+  EXPECT_EQ(manifest.keyframe_examples, std::filesystem::path("sets/labels/mine.json"));
+  EXPECT_TRUE(Includes(manifest, "walk_01.bvh"));
+  EXPECT_TRUE(Includes(manifest, "a/walk_01.bvh"));
+  EXPECT_FALSE(Includes(manifest, "walk_33.bvh"));
+  EXPECT_FALSE(Includes(manifest, "old/walk_01.bvh"));
+  EXPECT_FALSE(Includes(manifest, "run_01.bvh"));
+}
+
+TEST(Manifest, AnEmptyObjectLeavesTheDefaults) {
+  const DatasetManifest manifest = ParseManifest("\xEF\xBB\xBF{}", "set.json");
+  EXPECT_EQ(manifest.action, "walk");
+  EXPECT_EQ(manifest.keyframes, "walking");
+  EXPECT_FALSE(manifest.mirror || manifest.bend || manifest.import.metres_per_unit || manifest.import.up_axis);
+  EXPECT_TRUE(Includes(manifest, "anything.bvh"));
+}
+
+TEST(Manifest, ErrorsNameTheFileAndTheMember) {
+  const std::vector<std::pair<std::string, std::string>> cases = {
+      {R"({"colour": 1})", "set.json: /colour: unknown field"},
+      {R"({"clips": {"a/b": {"form": 1}}})", "/clips/a~1b/form: unknown field"},
+      {R"({"clips": {"a": {"from": 9, "to": 8}}})", "/clips/a/to: lies before"},
+      {R"({"clips": {"a": {"from": -1}}})", "/clips/a/from: expected a frame number"},
+      {R"({"clips": {"a": {"from": 1.5}}})", "/clips/a/from: expected a frame number"},
+      {R"({"clips": {"a": {"to": 5000000000}}})", "/clips/a/to: expected a frame number"},
+      {R"({"clips": []})", "/clips: expected an object"},
+      {R"({"metres_per_unit": 0})", "/metres_per_unit: expected a positive number"},
+      {R"({"metres_per_unit": "1"})", "/metres_per_unit"},
+      {R"({"up_axis": "X"})", "/up_axis: expected"},
+      {R"({"roles": {"tail": "Tail"}})", "/roles/tail: no such joint role"},
+      {R"({"roles": {"head": 3}})", "/roles/head: expected a string"},
+      {R"({"style": "("})", "/style: not a regular expression"},
+      {R"({"style": "abc"})", "/style: has no group"},
+      {R"({"include": "a"})", "/include: expected an array"},
+      {R"({"include": ["a", 3]})", "/include/1: expected a string"},
+      {R"({"mirror": 1})", "/mirror: expected true or false"},
+      {R"({"keyframes": "dancing"})", "/keyframes: expected"},
+      {R"({"action": ""})", "/action: is empty"},
+      {R"({"name": "a", "name": "b"})", "\"name\" stands twice"},
+      {"[]", "the whole document: expected an object"},
+      {"{\n  \"name\": \n}", "set.json:3:1: not valid JSON"},
+      {"", "set.json:1:1: not valid JSON"},
+      {std::string(100000, '['), "nested deeper"},
+  };
+  for (const auto& [json, expected] : cases) EXPECT_THAT(ErrorOf(json), HasSubstr(expected)) << json.substr(0, 60);
+}
+
+TEST(Manifest, AMissingFileIsNamed) {
+  try {
+    ReadManifest("/nowhere/set.json");
+    FAIL();
+  } catch (const DatasetError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("/nowhere/set.json: cannot be opened: No such file"));
+  }
+}
+
+}  // namespace
+}  // namespace morphograph
