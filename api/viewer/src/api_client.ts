@@ -126,6 +126,14 @@ export async function createBvh(request: ClipRequest): Promise<string> {
   return (await post(request, 'text/plain')).text();
 }
 
+/** Curves of `POST /v1/evaluations`: metres, and square metres from a frame to the next; null where there is no number. */
+export interface EvaluationCurves { contact_distance: (number | null)[]; frame_difference: (number | null)[] }
+
+export async function evaluate(bvh: string): Promise<EvaluationCurves> {
+  const headers = { 'Content-Type': 'text/plain; charset=utf-8', Accept: 'application/json' };
+  return (await (await send('v1/evaluations', { method: 'POST', headers, body: bvh })).json()).curves;
+}
+
 /** The report as the server wrote it, seed to its last digit; `"report"` is a member of the outermost object. */
 function reportFromBody(text: string): string {
   const at = text.lastIndexOf('"report":');

@@ -1,5 +1,6 @@
-// Curves of a clip, measured on the joints that are shown: one value a frame.
+// Curves of a clip: those measured here on the joints that are shown, one value a frame, and those that the server measures.
 import { Vector3 } from 'three';
+import type { EvaluationCurves } from './api_client';
 import type { ClipMotion } from './clip_motion';
 import type { Role } from './joint_roles';
 
@@ -26,41 +27,6 @@ function height(motion: ClipMotion, role: Role): Float32Array | undefined {
   return Float32Array.from({ length: motion.frames }, (_, frame) => motion.positions[(frame * motion.bones.length + joint) * 3 + 1] * 100);
 }
 
-/**
- * How much the pose changes from a frame to the next: root mean square distance of the joints, cm, after the best turn about
- * the vertical and shift on the floor (closed form of Kovar et al. 2002, all joints alike). The last frame repeats its
- * neighbour, so that there is one value a frame.
- */
-function frameDifference(motion: ClipMotion): Float32Array {
-  const count = motion.bones.length;
-  const p = motion.positions;
-  const values = new Float32Array(motion.frames);
-  for (let frame = 0; frame + 1 < motion.frames; ++frame) {
-    const a = frame * count * 3;
-    const b = a + count * 3;
-    let ax = 0, az = 0, bx = 0, bz = 0;
-    for (let j = 0; j < count; ++j) {
-      ax += p[a + 3 * j] / count;
-      az += p[a + 3 * j + 2] / count;
-      bx += p[b + 3 * j] / count;
-      bz += p[b + 3 * j + 2] / count;
-    }
-    let along = 0, across = 0, spread = 0, vertical = 0;
-    for (let j = 0; j < count; ++j) {
-      const x0 = p[a + 3 * j] - ax, z0 = p[a + 3 * j + 2] - az;
-      const x1 = p[b + 3 * j] - bx, z1 = p[b + 3 * j + 2] - bz;
-      along += x0 * x1 + z0 * z1;
-      across += x0 * z1 - z0 * x1;
-      spread += x0 * x0 + z0 * z0 + x1 * x1 + z1 * z1;
-      vertical += (p[a + 3 * j + 1] - p[b + 3 * j + 1]) ** 2;
-    }
-    const squared = Math.max(0, spread - 2 * Math.hypot(along, across)) + vertical;
-    values[frame] = Math.sqrt(squared / count) * 100;
-  }
-  if (motion.frames > 1) values[motion.frames - 1] = values[motion.frames - 2];
-  return values;
-}
-
 export function chartsOf(motion: ClipMotion): Chart[] {
   const heights: Series[] = [];
   for (const foot of ['left', 'right'] as const) {
@@ -73,7 +39,16 @@ export function chartsOf(motion: ClipMotion): Chart[] {
     { title: 'Root speed', shadeContacts: false,
       series: [{ name: 'root', unit: 'm/s', style: 'root-line', values: rootSpeed(motion), digits: 2 }] },
     { title: 'Height of the feet', shadeContacts: true, series: heights },
+  ];
+}
+
+/** What the server measures frame by frame with the definitions of its report; spread evenly over the clip. */
+export function evaluationCharts(curves: EvaluationCurves): Chart[] {
+  const scaled = (values: (number | null)[], factor: number) => Float32Array.from(values, (value) => (value ?? 0) * factor);
+  return [
     { title: 'Frame difference', shadeContacts: false,
-      series: [{ name: 'to the next frame', unit: 'cm', style: 'difference-line', values: frameDifference(motion), digits: 2 }] },
+      series: [{ name: 'to the next frame', unit: 'cm²', style: 'difference-line', values: scaled(curves.frame_difference, 1e4), digits: 2 }] },
+    { title: 'Contact distance', shadeContacts: true,
+      series: [{ name: 'planted feet', unit: 'mm', style: 'difference-line', values: scaled(curves.contact_distance, 1e3), digits: 1 }] },
   ];
 }

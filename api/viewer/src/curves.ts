@@ -1,6 +1,6 @@
 // Draws the curves of a clip under the time line, with the values at the place being played.
-import type { Contact } from './api_client';
-import { chartsOf, type Chart } from './curve_series';
+import type { Contact, EvaluationCurves } from './api_client';
+import { chartsOf, evaluationCharts, type Chart } from './curve_series';
 import type { ClipMotion } from './clip_motion';
 import { html, onWidth, svg } from './dom';
 import type { Player } from './player';
@@ -26,6 +26,16 @@ export class Curves {
     this.plots = chartsOf(motion).map((chart) => new Plot(chart, contacts, this.player));
     this.host.replaceChildren(...this.plots.map((plot) => plot.element));
     for (const plot of this.plots) plot.draw(this.width);
+  }
+
+  /** Adds what the server measured of the clip that is loaded. */
+  add(evaluation: EvaluationCurves, contacts: Contact[]): void {
+    for (const chart of evaluationCharts(evaluation)) {
+      const plot = new Plot(chart, contacts, this.player);
+      this.plots.push(plot);
+      this.host.append(plot.element);
+      plot.draw(this.width);
+    }
   }
 }
 
@@ -71,7 +81,7 @@ class Plot {
     parts.push(svg('text', { x: 2, y: TOP + 3.5, class: 'axis-text' }, chart.series[0]?.unit ?? ''));
     parts.push(...this.axis.drawTicks(TOP, BOTTOM, true));
     for (const series of chart.series) {
-      parts.push(svg('path', { d: path(series.values, x, y, width), class: `curve ${series.style}` }));
+      parts.push(svg('path', { d: path(series.values, (i) => this.axis.x((i / Math.max(series.values.length - 1, 1)) * player.duration), y, width), class: `curve ${series.style}` }));
     }
     this.drawing.replaceChildren(...parts, this.head);
     this.drawing.setAttribute('width', String(width));
@@ -83,7 +93,9 @@ class Plot {
     this.head.setAttribute('x1', String(x));
     this.head.setAttribute('x2', String(x));
     this.chart.series.forEach(({ values, digits, unit }, i) => {
-      this.readouts[i].textContent = `${values[Math.min(this.player.frame, values.length - 1)].toFixed(digits)} ${unit}`;
+      // Curves may have a value more or less than the clip has frames, or another rate.
+      const at = Math.round((this.player.time / Math.max(this.player.duration, 1e-9)) * (values.length - 1));
+      this.readouts[i].textContent = `${(values[at] ?? 0).toFixed(digits)} ${unit}`;
     });
   }
 }
@@ -103,7 +115,7 @@ function range(values: number[]): [low: number, high: number, step: number] {
 }
 
 /** A path through all values; where there are more than pixels, through the lowest and highest of each pixel. */
-function path(values: Float32Array, x: (frame: number) => number, y: (value: number) => number, width: number): string {
+function path(values: Float32Array, x: (index: number) => number, y: (value: number) => number, width: number): string {
   const group = Math.max(1, Math.floor(values.length / width));
   const points: string[] = [];
   for (let from = 0; from < values.length; from += group) {

@@ -1,5 +1,5 @@
 // Wires the page together: form -> server -> clip -> player -> stage, time line, curves and graph.
-import { ApiError, createBvh, createClip, fetchGraph, listModels, type ClipRequest, type ClipResponse } from './api_client';
+import { ApiError, createBvh, createClip, evaluate, fetchGraph, listModels, type ClipRequest, type ClipResponse } from './api_client';
 import { ClipMotion } from './clip_motion';
 import { ClipScene } from './clip_scene';
 import { Curves } from './curves';
@@ -58,6 +58,8 @@ async function synthesise(): Promise<void> {
     show(answer, request);
     form.writeAddress();
     hideProblem();
+    const curvesOfServer = await evaluate(answer.bvh);
+    if (number === newest) curves.add(curvesOfServer, answer.report.contacts);
   } catch (error) {
     if (number !== newest) return;
     showProblem(error);

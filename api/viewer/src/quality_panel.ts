@@ -11,7 +11,7 @@ function figuresOf(report: Report): Figure[] {
     { name: 'Contact distance', value: (quality.contact_distance * 1000).toFixed(1), unit: 'mm', meaning: 'mean height error of planted feet' },
     { name: 'Foot skate', value: quality.foot_skate_cm_s.toFixed(2), unit: 'cm/s', meaning: 'sliding of feet near the floor' },
     { name: 'Penetration', value: (quality.penetration * 1000).toFixed(1), unit: 'mm', meaning: 'deepest point below the floor' },
-    { name: 'Naturalness', ...scientific(quality.naturalness), meaning: 'variance of the frame distance' },
+    { name: 'Naturalness', ...scientific(quality.naturalness, 'm⁴'), meaning: 'variance of the frame difference' },
     { name: 'Distance', value: length.toFixed(2), unit: 'm', meaning: 'walked by the root' },
     { name: 'Mean speed', value: (length / Math.max(report.duration, 1e-9)).toFixed(2), unit: 'm/s', meaning: 'of the root over the clip' },
   ];
@@ -21,10 +21,10 @@ function figuresOf(report: Report): Figure[] {
   return figures;
 }
 
-function scientific(value: number): { value: string; unit: string } {
-  if (!(value > 0)) return { value: String(value), unit: '' };
+function scientific(value: number, unit: string): { value: string; unit: string } {
+  if (!(value > 0)) return { value: String(value), unit };
   const power = Math.floor(Math.log10(value));
-  return { value: (value / 10 ** power).toFixed(2), unit: `×10${superscript(power)}` };
+  return { value: (value / 10 ** power).toFixed(2), unit: `×10${superscript(power)} ${unit}` };
 }
 
 function superscript(power: number): string {
