@@ -58,6 +58,11 @@ const profile = mkdtempSync(join(tmpdir(), 'morphograph-viewer-'));
 let browser;
 let failed = false;
 try {
+  const { models } = await (await fetch(`${server.url}v1/models`)).json();
+  if (models.length === 0) {
+    server.child?.kill('SIGTERM');
+    skip('the server holds no model');
+  }
   browser = await chromium.launchPersistentContext(profile, {
     executablePath: browserPath,
     viewport: { width: 1000, height: 640 },

@@ -106,17 +106,22 @@ export class Figure {
       });
     const pelvis = balls(hips, [['hips', 0.09], ['left_hip', 0.082], ['right_hip', 0.082], ['spine', 0.085]]);
     this.attach(hips, hull(pelvis), this.body);
-    const thorax = balls(chest, [['chest', 0.105], ['left_shoulder', 0.055], ['right_shoulder', 0.055]]);
+    const thorax = balls(chest, [['left_shoulder', 0.055], ['right_shoulder', 0.055]]);
     const nape = this.seenFrom(chest, neck === motion.bone('neck') ? 'neck' : 'head');
     if (nape) {
       thorax.push({ at: nape.clone().multiplyScalar(0.94), radius: 0.05 * size });
-      thorax.push({ at: nape.clone().multiplyScalar(0.45), radius: 0.115 * size }); // rib cage
+      // The rib cage hangs below the neck; the joint called chest may sit anywhere between waist and neck.
+      const down = this.seenFrom(chest, 'hips')!.sub(nape).normalize();
+      thorax.push({ at: nape.clone().addScaledVector(down, 0.13 * size), radius: 0.118 * size });
+      thorax.push({ at: nape.clone().addScaledVector(down, 0.21 * size), radius: 0.105 * size });
     }
     this.attach(chest, hull(thorax), this.body);
     // The waist: one capsule for each link of the spine, so that it bends.
     for (let bone = chest; bone !== hips && bone.parent instanceof Bone; bone = bone.parent) {
       if (bone.position.length() > 1e-4) {
-        this.attach(bone.parent, taperedCapsule(new Vector3(), bone.position, 0.092 * size, 0.1 * size), this.body);
+        // Where the chest's joint lies up at the neck, a wide end would stand out of the breast.
+        const high = bone === chest && nape !== undefined && nape.length() < 0.08 * size;
+        this.attach(bone.parent, taperedCapsule(new Vector3(), bone.position, 0.092 * size, (high ? 0.05 : 0.1) * size), this.body);
       }
     }
     this.coverChain(chest, hips);

@@ -165,7 +165,15 @@ byId('save-report').addEventListener('click', () => {
   save(clip.reportText, fileName(lastRequest.model, clip.report.style, clip.seed, '.report.json'), 'application/json');
 });
 
-listModels().then((models) => form.offer(models), showProblem);
+async function start(): Promise<void> {
+  const models = await listModels();
+  if (models.length > 0) return form.offer(models);
+  throw new Error('This server holds no model, so there is nothing to play. Start it with --model FILE, or send recordings to POST /v1/models.');
+}
+start().catch((error) => {
+  byId('status').textContent = 'Nothing to play';
+  showProblem(error);
+});
 
 // A handle for the console and for tests: what is being shown, without reaching into modules.
 Object.assign(window, {

@@ -6,7 +6,7 @@ const banner = () => byId('problem');
 
 export function showProblem(error: unknown): void {
   const known = error instanceof ApiError ? error : undefined;
-  const title = known ? known.title + (known.status ? ` (${known.status})` : '') : 'Something went wrong';
+  const title = known ? known.title + (known.status ? ` (${known.status})` : '') : 'This did not work';
   const detail = known ? known.detail : error instanceof Error ? error.message : String(error);
   const fields = known?.errors ?? [];
   const close = html('button', { type: 'button', class: 'icon-button', 'aria-label': 'Dismiss' }, '✕');

@@ -96,9 +96,9 @@ export class Stage {
     const across = new Vector3(0, 1, 0).cross(facing);
     const place: Record<View, [ahead: number, aside: number, up: number]> = {
       corner: [3.1, 2.5, 1.1],
-      side: [0, 4.4, 0.12],
-      front: [4.2, 0, 0.12],
-      top: [-0.02, 0, 7],
+      side: [0, 4.0, 0.12],
+      front: [4.0, 0, 0.12],
+      top: [-0.02, 0, 5.5],
     };
     const [ahead, aside, up] = place[view];
     // A tall window (a phone held upright) must stand further back to show the figure and its next steps.
