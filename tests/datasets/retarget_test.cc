@@ -1,0 +1,115 @@
+#include "datasets/retarget.h"
+
+#include <gtest/gtest.h>
+
+#include "datasets/bvh_reader.h"
+#include "datasets/clip_conversion.h"
+#include "datasets/contact_detector.h"
+#include "datasets/forward_kinematics.h"
+#include "datasets/synthetic_skeleton.h"
+#include "tests/support/shared_data.h"
+
+namespace morphograph {
+namespace {
+
+MotionClip Read(const char* file) { return ImportClip(ReadBvhFile(testing::SharedData() / file)); }
+
+constexpr const char* kXsens = "real_imu/neura_s02/S02-Trial-Walk-1_xsens.bvh";
+
+// Direction of a bone in the world.
+Eigen::Vector3d Bone(const MotionClip& clip, int frame, JointRole from, JointRole to) {
+  const WorldPose pose = ForwardKinematics(clip, frame);
+  const RoleMap& roles = clip.skeleton().roles();
+  return (pose.positions.col(roles[to]) - pose.positions.col(roles[from])).normalized();
+}
+
+// Mean speed of the balls of the feet while they stand, m/s.
+double Skate(const MotionClip& clip, const ContactTrack& contacts, int* frames) {
+  double sum = 0;
+  *frames = 0;
+  for (int side = 0; side < 2; ++side) {
+    const int toe = clip.skeleton().roles()[side == 0 ? JointRole::kLeftToe : JointRole::kRightToe];
+    Eigen::Vector3d before = Eigen::Vector3d::Zero();
+    for (int f = 0; f < clip.frame_count(); ++f) {
+      const Eigen::Vector3d ball = ForwardKinematics(clip, f).positions.col(toe);
+      if (f > 0 && contacts.planted(2 * side + 1, f) && contacts.planted(2 * side + 1, f - 1)) {
+        sum += (ball - before).norm() * clip.frame_rate_hz();
+        ++*frames;
+      }
+      before = ball;
+    }
+  }
+  return sum / std::max(1, *frames);
+}
+
+TEST(Retarget, ToItsOwnSkeletonChangesNothing) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  for (const char* file : {"cmu/07/07_01.bvh", "bnr/dataset-2/run/dataset-2_run_normal_001.bvh"}) {
+    const MotionClip clip = Read(file);
+    const MotionClip same = Retarget(clip, clip.shared_skeleton());
+    EXPECT_LT((same.root_positions() - clip.root_positions()).norm(), 1e-12);
+    EXPECT_EQ(same.rotation(7, 9).coeffs(), clip.rotation(7, 9).coeffs());
+  }
+}
+
+TEST(Retarget, SubjectsOfOneDataSetExchangeLocalRotations) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const MotionClip seven = Read("cmu/07/07_01.bvh"), eight = Read("cmu/08/08_01.bvh"), other = Read("cmu/131/131_01.bvh");
+  EXPECT_TRUE(SameRestPose(seven.skeleton(), eight.skeleton()));
+  EXPECT_FALSE(SameRestPose(seven.skeleton(), other.skeleton()));
+  const MotionClip moved = Retarget(seven, eight.shared_skeleton());
+  EXPECT_EQ(moved.rotation(20, 5).coeffs(), seven.rotation(20, 5).coeffs());
+}
+
+TEST(Retarget, BonesPointWhereTheSourceBonesPoint) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const MotionClip seven = Read("cmu/07/07_01.bvh");
+  const std::vector<std::shared_ptr<const Skeleton>> targets = {seven.shared_skeleton(), SyntheticSkeleton(1.6)};
+  for (const char* file : {"cmu/131/131_01.bvh", kXsens, "cmu/08/08_05.bvh"}) {
+    const MotionClip clip = Read(file);
+    for (const auto& target : targets) {
+      if (SameRestPose(clip.skeleton(), *target)) continue;
+      const MotionClip moved = Retarget(clip, target);
+      for (int f = 0; f < clip.frame_count(); f += 97) {
+        for (const auto& [from, to] :
+             {std::pair{JointRole::kLeftHip, JointRole::kLeftKnee}, {JointRole::kRightKnee, JointRole::kRightAnkle},
+              {JointRole::kLeftShoulder, JointRole::kLeftElbow}, {JointRole::kRightElbow, JointRole::kRightWrist}}) {
+          EXPECT_GT(Bone(clip, f, from, to).dot(Bone(moved, f, from, to)), 1 - 1e-9) << file << " " << f;
+        }
+        EXPECT_NEAR(std::remainder(HeadingRad(clip, f) - HeadingRad(moved, f), 6.283185307179586), 0, 0.05) << file << " " << f;
+      }
+    }
+  }
+}
+
+TEST(Retarget, FeetStandAsTheyStoodInTheSource) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const MotionClip seven = Read("cmu/07/07_01.bvh");
+  for (const char* file : {"cmu/131/131_01.bvh", kXsens}) {
+    const MotionClip clip = Read(file);
+    const MotionClip moved = Retarget(clip, seven.shared_skeleton());
+    const ContactTrack before = DetectContacts(clip);
+    int frames = 0;
+    const double skate_before = Skate(clip, before, &frames);
+    ASSERT_GT(frames, 100) << file;
+    const double skate_after = Skate(moved, before, &frames);
+    RecordProperty(std::string(file == kXsens ? "xsens" : "cmu131") + "_skate_cm_s",
+                   std::to_string(100 * skate_before) + " to " + std::to_string(100 * skate_after));
+    EXPECT_LT(skate_after, skate_before + 0.05) << file;
+    // As many steps as before.
+    EXPECT_NEAR(static_cast<double>(DetectContacts(moved).intervals.size()),
+                static_cast<double>(before.intervals.size()), 1.0) << file;
+  }
+}
+
+TEST(Retarget, RefusesRestPosesThatDoNotStand) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const MotionClip seven = Read("cmu/07/07_01.bvh");
+  const MotionClip bnr = Read("bnr/dataset-2/run/dataset-2_run_normal_001.bvh");
+  EXPECT_THROW(Retarget(seven, bnr.shared_skeleton()), std::invalid_argument);
+  EXPECT_THROW(Retarget(bnr, seven.shared_skeleton()), std::invalid_argument);
+  EXPECT_THROW(Retarget(seven, nullptr), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morphograph
