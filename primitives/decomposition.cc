@@ -13,6 +13,13 @@ namespace morphograph {
 namespace {
 
 constexpr double kSwing = 0.12;  // m; a foot that travels less has not stepped
+// A walking step stands on one foot and swings the other: measured shares of stance are 0.92 and more for walks of all
+// styles, 0.75 and less for runs and hops; shares of swing 0.35 and more.
+constexpr double kLeastStance = 0.85;
+constexpr double kLeastSwing = 0.2;
+constexpr double kMostLift = 0.25;  // m; walks lift the ball of the foot by 0.18 m at most, kicks and climbing more
+constexpr int kFrozenFrames = 3;
+constexpr double kFrozenSpeed = 0.3;  // m/s; of the pelvis, at the edge of frames that do not change at all
 
 bool IsStance(KeyframeLabel label) {
   return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance;
@@ -69,14 +76,46 @@ struct Measures {
     const Eigen::Vector2d facing(std::sin(heading), std::cos(heading));
     return std::acos(std::clamp(facing.dot(course.normalized()), -1.0, 1.0));
   }
-  // Longest time without a foot on the floor, seconds.
-  double Flight(const Segment& segment) const {
-    int longest = 0, run = 0;
-    for (int f = static_cast<int>(std::ceil(segment.start_frame)); f <= segment.end_frame; ++f) {
-      run = contacts.planted.col(f).any() ? 0 : run + 1;
-      longest = std::max(longest, run);
+  // Share of the segment in which a foot stands.
+  double Planted(int foot, const Segment& segment) const {
+    int planted = 0, frames = 0;
+    for (int f = static_cast<int>(std::ceil(segment.start_frame)); f <= segment.end_frame; ++f, ++frames) {
+      planted += contacts.planted.col(f).segment<2>(2 * foot).any() ? 1 : 0;
     }
-    return longest / rate;
+    return frames > 0 ? static_cast<double>(planted) / frames : 1;
+  }
+  // How high a ball of the foot is lifted above where it stands, metres.
+  double Lift(const Segment& segment) const {
+    double lift = 0;
+    for (int f = static_cast<int>(std::ceil(segment.start_frame)); f <= segment.end_frame; ++f) {
+      for (const Eigen::Matrix3Xd& ball : contacts.balls) lift = std::max(lift, ball(1, f) - contacts.ground_m[f]);
+    }
+    return lift;
+  }
+  // Share of the segment in which no foot stands.
+  double Airborne(const Segment& segment) const {
+    int airborne = 0, frames = 0;
+    for (int f = static_cast<int>(std::ceil(segment.start_frame)); f <= segment.end_frame; ++f, ++frames) {
+      airborne += contacts.planted.col(f).any() ? 0 : 1;
+    }
+    return frames > 0 ? static_cast<double>(airborne) / frames : 0;
+  }
+  // Whether the recording freezes while the body moves: some captures hold their first or last pose.
+  bool Frozen(double from, double to) const {
+    const Eigen::Matrix3Xd& root = clip.root_positions();
+    const int last = std::min(clip.frame_count() - 2, static_cast<int>(std::floor(to)));
+    const auto speed = [&](int f) { return (root.col(f + 1) - root.col(f)).norm() * rate; };
+    for (int f = std::max(0, static_cast<int>(std::ceil(from))); f <= last; ++f) {
+      if (speed(f) > 0) continue;
+      int end = f, begin = f;
+      while (end + 1 < clip.frame_count() - 1 && speed(end + 1) == 0) ++end;
+      while (begin > 0 && speed(begin - 1) == 0) --begin;
+      const double before = begin > 0 ? speed(begin - 1) : 0;
+      const double after = end + 1 < clip.frame_count() - 1 ? speed(end + 1) : 0;
+      if (end - begin + 1 >= kFrozenFrames && std::max(before, after) > kFrozenSpeed) return true;
+      f = end;
+    }
+    return false;
   }
 };
 
@@ -119,14 +158,13 @@ bool IsStep(const Segment& segment) { return IsStance(segment.start) && IsStance
 
 // Steps in a row from `first` in direction `step` that are slower than `limit` are not steady.
 void MarkSlowRun(std::vector<Segment>* segments, const std::vector<double>& speeds, int first, int step, double limit) {
-  for (int i = first; i >= 0 && i < static_cast<int>(segments->size()); i += step) {
+  for (int i = first;; i += step) {
     Segment& segment = (*segments)[i];
     if (!IsStep(segment) || speeds[i] >= limit) return;
     segment.steady = false;
     const int next = i + step;
     if (next < 0 || next >= static_cast<int>(segments->size())) return;
-    const Segment& later = step > 0 ? (*segments)[next] : segment;
-    if (later.previous != std::min(i, next)) return;  // not one motion
+    if ((*segments)[std::max(i, next)].previous != std::min(i, next)) return;  // not one motion
   }
 }
 
@@ -142,13 +180,26 @@ void MarkUnsteady(std::vector<Segment>* segments, const Measures& measures, cons
     std::sort(values.begin(), values.end());
     return 0.5 * (values[(values.size() - 1) / 2] + values[values.size() / 2]);
   };
-  const bool flies = options.action == "run";
+  const bool flies = options.action != "walk";
   const int count = static_cast<int>(segments->size());
   for (int i = 0; i < count; ++i) {
     Segment& segment = (*segments)[i];
     if (measures.Drift(segment) > options.max_drift_rad) segment.steady = false;
-    if (!flies && measures.Flight(segment) > options.min_flight_s) segment.steady = false;
+    const double margin = options.margin * (segment.end_frame - segment.start_frame);
+    if (measures.Frozen(segment.start_frame - margin, segment.end_frame + margin)) segment.steady = false;
+    if (!flies && (measures.Airborne(segment) > 1 - kLeastStance || measures.Lift(segment) > kMostLift)) {
+      segment.steady = false;
+    }
     if (!IsStep(segment)) continue;
+    const int swing = Side(segment.end);
+    if (!flies && (measures.Planted(1 - swing, segment) < kLeastStance ||
+                   measures.Planted(swing, segment) > 1 - kLeastSwing)) {
+      segment.steady = false;
+    }
+    // Next to a start or a stop speed still changes, whatever it is.
+    const bool after_start = segment.previous >= 0 && !IsStep((*segments)[segment.previous]);
+    const bool before_stop = i + 1 < count && (*segments)[i + 1].previous == i && !IsStep((*segments)[i + 1]);
+    if (after_start || before_stop) segment.steady = false;
     const double length = segment.end_frame - segment.start_frame;
     const double usual = median(step_lengths);
     if (length > options.duration_ratio * usual || length * options.duration_ratio < usual) segment.steady = false;

@@ -21,7 +21,7 @@ struct Segment {
 };
 
 struct DecompositionOptions {
-  std::string action = "walk";  // primitives are named "<side>_<action>"; "run" expects a flight between steps
+  std::string action = "walk";  // steps are named "<side>_<action>"; other than walk they may have a flight
   double margin = 0.25;         // of a segment's length that must lie in the clip before and after it
   double min_step_s = 0.2;      // shorter: no step, not kept
   double max_step_s = 2.5;      // longer: no step, not kept
@@ -29,7 +29,6 @@ struct DecompositionOptions {
   double slow_ratio = 0.85;     // steps in a row next to a start, a stop or the clip's ends that are slower than this
                                 // part of the clip's median step speed are not steady
   double max_drift_rad = 1.05;  // pelvis course against heading; more is walking sideways or backwards, not steady
-  double min_flight_s = 0.08;   // longer without any foot on the floor is a flight
 };
 
 /// Cuts a clip at its key frames into segments, classes by (start, end) key frame (Du 3.1.2, Fig. 3.2, 3.5), in time
@@ -41,6 +40,10 @@ struct DecompositionOptions {
 /// Neighbouring segments share their cut. Pieces between two landings of the same foot (a landing was missed), of
 /// standing only, of impossible duration, or without a margin in the clip are left out. A start may use standing frames
 /// as its margin, an end likewise; both are part of the clip.
+///
+/// Kept but not steady: the step next to a start or a stop; steps in a row from there, or from the ends of the clip,
+/// that are slow against the clip's median step; steps of odd duration, sideways, backwards, with a flight (walking only)
+/// or without a swing; any segment over frames in which the recording freezes while the body moves.
 /// @param keyframes  in time order, as DetectKeyframes gives them.
 /// @throws std::invalid_argument when key frames are out of order or outside the clip, or leg roles are missing.
 std::vector<Segment> Decompose(const MotionClip& clip, int clip_index, const std::vector<Keyframe>& keyframes,

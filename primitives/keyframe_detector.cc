@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
 #include <stdexcept>
 #include <string>
@@ -97,6 +98,20 @@ std::optional<double> LandingFrame(const Paths& paths, int side, int pass, int p
   return pass + ParabolaPeak(reach, best) + options.landing_delay_s * paths.rate;
 }
 
+// Whether the foot comes to rest after it landed, measured by its own swing: a leg that swings to and fro in the air
+// makes peaks of distance too.
+bool ComesToRest(const Paths& paths, int side, int pass, double landing, double rest_ratio) {
+  const Eigen::Matrix3Xd& ball = paths.balls[side];
+  const int last = std::min(paths.frames - 2, static_cast<int>(std::lround(landing + 0.2 * paths.rate)));
+  double fastest = 0, slowest = std::numeric_limits<double>::infinity();
+  for (int f = pass; f <= last; ++f) {
+    const double step = (ball.col(f + 1) - ball.col(f)).norm();
+    if (f < landing) fastest = std::max(fastest, step);
+    if (f + 1 > landing) slowest = std::min(slowest, step);
+  }
+  return slowest <= rest_ratio * fastest;
+}
+
 std::vector<Landing> LandingsByDistance(const Paths& paths, const KeyframeOptions& options) {
   std::vector<Landing> landings;
   const Eigen::VectorXd& d = paths.distance;
@@ -118,6 +133,7 @@ std::vector<Landing> LandingsByDistance(const Paths& paths, const KeyframeOption
     if (PathLength(paths.ankles[side], std::min(since, pass), f) < options.min_swing_m) continue;
     const std::optional<double> reach = LandingFrame(paths, side, pass, f, options);
     if (!reach && at_end) continue;
+    if (!ComesToRest(paths, side, pass, reach ? *reach : f, options.rest_ratio)) continue;
     landings.push_back({side, reach ? *reach : ParabolaPeak(d, f), d[f]});
   }
   return landings;

@@ -21,6 +21,7 @@ struct KeyframeOptions {
   double min_step_s = 0.25;        // Du's step size: of two peaks closer than this the higher stays
   double min_prominence = 0.12;    // of a distance peak, as part of the clip's range of distance
   double min_swing_m = 0.12;       // way of a foot to its landing
+  double rest_ratio = 0.25;        // a foot that landed is slower than this part of its fastest in the swing
   double landing_delay_s = 0.02;   // from the greatest reach to the touch: the foot swings back a little
   double min_seen_s = 0.12;        // a landing this close to the end of the clip cannot be told from a graze
   double standing_pelvis_m_s = 0.12;  // slower: standing
@@ -35,7 +36,7 @@ KeyframeOptions KeyframeOptionsFor(std::string_view action);
 /// Finds the key frames of walking by feature (Du 3.1, 4.2.1), in time order.
 ///
 /// A landing is a peak of the distance between the ankles over the floor, found with a least step time; its side is
-/// the foot that travelled further since the feet passed. Departures from Du: a peak needs prominence rather than
+/// the foot that travelled further since the feet passed, and it comes to rest. Departures from Du: a peak needs prominence rather than
 /// height above the mean of maximum and minimum, so that short first steps and the inner steps of a turn stay; and
 /// the key frame is put, at sub-frame precision, at the landing foot's greatest reach ahead of the pelvis plus
 /// `landing_delay_s`, which follows the foot strike with about half the spread of the distance peak.

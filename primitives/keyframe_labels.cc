@@ -58,17 +58,6 @@ Json ParseJson(std::string_view text, const std::string& source) {
   }
 }
 
-std::optional<KeyframeLabel> WalkingLabel(std::string_view name) {
-  if (name == "left_strike") return KeyframeLabel::kLeftStance;
-  if (name == "right_strike") return KeyframeLabel::kRightStance;
-  if (name == "stand_begin" || name == "stand_end") return KeyframeLabel::kStanding;
-  for (const KeyframeLabel label : {KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance,
-                                    KeyframeLabel::kDoubleStance, KeyframeLabel::kStanding}) {
-    if (name == KeyframeLabelName(label)) return label;
-  }
-  return std::nullopt;
-}
-
 }  // namespace
 
 LabelledClips ParseKeyframeLabels(std::string_view json, const std::string& source) {
@@ -91,6 +80,17 @@ LabelledClips ReadKeyframeLabels(const std::filesystem::path& path) {
   std::ostringstream text;
   if (!file || !(text << file.rdbuf())) throw DatasetError(path.string(), "cannot be read");
   return ParseKeyframeLabels(text.str(), path.string());
+}
+
+std::optional<KeyframeLabel> WalkingLabel(std::string_view name) {
+  if (name == "left_strike") return KeyframeLabel::kLeftStance;
+  if (name == "right_strike") return KeyframeLabel::kRightStance;
+  if (name == "stand_begin" || name == "stand_end") return KeyframeLabel::kStanding;
+  for (const KeyframeLabel label : {KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance,
+                                    KeyframeLabel::kDoubleStance, KeyframeLabel::kStanding}) {
+    if (name == KeyframeLabelName(label)) return label;
+  }
+  return std::nullopt;
 }
 
 std::vector<Keyframe> ToKeyframes(const std::vector<LabelledFrame>& labelled, int dropped_frames, bool with_doubtful) {

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -29,9 +30,12 @@ LabelledClips ParseKeyframeLabels(std::string_view json, const std::string& sour
 /// Reads and parses a file. @throws DatasetError also when it cannot be read.
 LabelledClips ReadKeyframeLabels(const std::filesystem::path& path);
 
-/// Key frames in the frames of a clip that dropped `dropped_frames` leading rows. left_strike and right_strike are
-/// stances, stand_begin and stand_end are standing; the names of KeyframeLabelName are taken too. Frames that were
-/// dropped and labels of other actions are left out; doubtful ones too unless asked for.
+/// The walking key frame that a label means: "left_strike" and "right_strike" are stances, "stand_begin" and "stand_end"
+/// are standing; the names of KeyframeLabelName are taken too. Nothing for labels of other actions.
+std::optional<KeyframeLabel> WalkingLabel(std::string_view name);
+
+/// Key frames in the frames of a clip that dropped `dropped_frames` leading rows. Frames that were
+/// dropped and labels that WalkingLabel does not know are left out; doubtful ones too unless asked for.
 std::vector<Keyframe> ToKeyframes(const std::vector<LabelledFrame>& labelled, int dropped_frames,
                                   bool with_doubtful = false);
 
