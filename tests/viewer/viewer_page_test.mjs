@@ -84,6 +84,10 @@ try {
 }
 process.exit(failed ? 1 : 0);
 
+function largestMove(before, after) {
+  return Math.max(...before.map((joint, i) => Math.hypot(...joint.map((x, axis) => x - after[i][axis]))));
+}
+
 async function run(page, url) {
   page.setDefaultTimeout(20_000);
   const host = new URL(url).host;
@@ -154,11 +158,16 @@ async function run(page, url) {
     await pause();
     await page.keyboard.press('Home');
     const first = await picture();
+    const firstJoints = await joints();
     const colours = new Set();
     for (let i = 0; i < first.length; i += 4) colours.add((first[i] << 16) | (first[i + 1] << 8) | first[i + 2]);
     assert.ok(colours.size > 30, `${colours.size} colours`);
     for (const key of ['Shift+ArrowRight', 'ArrowRight', 'ArrowRight']) await page.keyboard.press(key);
     assert.equal((await state()).frame, 12);
+    const laterJoints = await joints();
+    const fromRoot = (all) => all.map((joint) => joint.map((x, axis) => x - all[0][axis]));
+    const swung = largestMove(fromRoot(firstJoints), fromRoot(laterJoints));
+    assert.ok(swung > 0.1, `no limb moved by more than ${swung} m against the root`);
     const later = await picture();
     const changed = first.filter((value, i) => Math.abs(value - later[i]) > 24).length;
     assert.ok(changed > 60, `${changed} values changed`);
@@ -229,7 +238,7 @@ async function run(page, url) {
     assert.match(request, /"unit":"m"/);
     await page.locator('h1').click();
     const after = await poseOf();
-    const moved = Math.max(...before.map((joint, i) => Math.hypot(...joint.map((x, axis) => x - after[i][axis]))));
+    const moved = largestMove(before, after);
     assert.ok(moved > 0.005, `joints moved by ${moved} m at most`);
     assert.match(page.url(), /seed=2/);
   });
