@@ -47,9 +47,10 @@ export class ClipScene {
     const planted = (foot: 'left' | 'right') =>
       report.contacts.some((contact) => contact.foot === foot && contact.from <= player.frame && player.frame <= contact.to);
     figure.showPlanted({ left: planted('left'), right: planted('right') });
-    marks.show(player.frame);
     const hips = motion.bone('hips') ?? motion.root;
     hips.updateWorldMatrix(true, false);
-    this.stage.moveFocus(hips.matrixWorld.elements[12], hips.matrixWorld.elements[14]);
+    const [x, z] = [hips.matrixWorld.elements[12], hips.matrixWorld.elements[14]];
+    marks.show(player.frame, x, z);
+    this.stage.moveFocus(x, z);
   }
 }

@@ -4,7 +4,7 @@ import { chartsOf, evaluationCharts, type Chart } from './curve_series';
 import type { ClipMotion } from './clip_motion';
 import { html, onWidth, svg } from './dom';
 import type { Player } from './player';
-import { LEFT_PX, RIGHT_PX, TimeAxis, scrubbable } from './time_axis';
+import { LEFT_PX, Playhead, RIGHT_PX, TimeAxis, scrubbable } from './time_axis';
 
 const HEIGHT = 108;
 const TOP = 8;
@@ -28,6 +28,11 @@ export class Curves {
     for (const plot of this.plots) plot.draw(this.width);
   }
 
+  /** Says why the server's curves are missing. */
+  addNote(text: string): void {
+    this.host.append(html('p', { class: 'curves-note' }, text));
+  }
+
   /** Adds what the server measured of the clip that is loaded. */
   add(evaluation: EvaluationCurves, contacts: Contact[]): void {
     for (const chart of evaluationCharts(evaluation)) {
@@ -42,7 +47,7 @@ export class Curves {
 class Plot {
   readonly element: HTMLElement;
   private readonly drawing = svg('svg', { class: 'plot-drawing', height: HEIGHT, role: 'img' });
-  private readonly head = svg('line', { class: 'playhead', y1: 0, y2: BOTTOM });
+  private readonly head = new Playhead();
   private readonly readouts: HTMLElement[];
   private axis = new TimeAxis(600, 1);
 
@@ -54,7 +59,7 @@ class Plot {
         `${series.name} `, this.readouts[i]));
     this.element = html('figure', { class: 'plot' },
       html('figcaption', {}, html('span', { class: 'plot-title' }, chart.title), html('span', { class: 'legend' }, ...legend)),
-      this.drawing);
+      html('div', { class: 'plot-body' }, this.drawing, this.head.element));
     this.drawing.setAttribute('aria-label', summary(chart));
     scrubbable(this.drawing, (x) => player.seek(this.axis.time(x)));
   }
@@ -68,10 +73,11 @@ class Plot {
     const y = (value: number) => BOTTOM - ((value - low) / (high - low)) * (BOTTOM - TOP);
     const parts: SVGElement[] = [];
     if (chart.shadeContacts) {
-      for (const { foot, from, to } of this.contacts) {
-        const half = (BOTTOM - TOP) / 2;
-        parts.push(svg('rect', { x: x(from), width: Math.max(1, x(to) - x(from)), y: foot === 'left' ? TOP : TOP + half, height: half,
-          class: `${foot}-shade` }));
+      const half = (BOTTOM - TOP) / 2;
+      for (const foot of ['left', 'right'] as const) {
+        const boxes = this.contacts.filter((contact) => contact.foot === foot).map(({ from, to }) =>
+          `M${x(from).toFixed(1)} ${foot === 'left' ? TOP : TOP + half}h${Math.max(1, x(to) - x(from)).toFixed(1)}v${half}H${x(from).toFixed(1)}Z`);
+        parts.push(svg('path', { d: boxes.join(''), class: `${foot}-shade` }));
       }
     }
     for (let value = low; value <= high + step / 2; value += step) {
@@ -83,15 +89,13 @@ class Plot {
     for (const series of chart.series) {
       parts.push(svg('path', { d: path(series.values, (i) => this.axis.x((i / Math.max(series.values.length - 1, 1)) * player.duration), y, width), class: `curve ${series.style}` }));
     }
-    this.drawing.replaceChildren(...parts, this.head);
+    this.drawing.replaceChildren(...parts);
     this.drawing.setAttribute('width', String(width));
     this.follow();
   }
 
   follow(): void {
-    const x = this.axis.x(this.player.time);
-    this.head.setAttribute('x1', String(x));
-    this.head.setAttribute('x2', String(x));
+    this.head.move(this.axis.x(this.player.time));
     this.chart.series.forEach(({ values, digits, unit }, i) => {
       // Curves may have a value more or less than the clip has frames, or another rate.
       const at = Math.round((this.player.time / Math.max(this.player.duration, 1e-9)) * (values.length - 1));

@@ -7,6 +7,7 @@ import type { ClipMotion } from './clip_motion';
 import { themeColour } from './theme';
 
 const PATH_WIDTH_M = 0.022;
+const SIGHT_M = 16;
 const LIFT_M = 0.004; // above the ground, so that the two never fight for a pixel
 
 export class FloorMarks {
@@ -36,10 +37,14 @@ export class FloorMarks {
     for (const { contact, mesh } of this.prints) mesh.material.color = new Color(themeColour(`--${contact.foot}`));
   }
 
-  /** Shows the state at a frame: prints to come are faint, one being stood on is full. */
-  show(frame: number): void {
+  /**
+   * Shows the state at a frame: prints to come are faint, one being stood on is full. Prints out of sight of the figure, at x and
+   * z, are left out: a clip of ten minutes has thousands.
+   */
+  show(frame: number, x: number, z: number): void {
     this.walked.geometry.setDrawRange(0, Math.max(0, frame) * 6);
     for (const { contact, mesh } of this.prints) {
+      mesh.visible = Math.hypot(contact.position[0] - x, contact.position[1] - z) < SIGHT_M;
       mesh.material.opacity = frame < contact.from ? 0.14 : frame <= contact.to ? 1 : 0.5;
     }
   }

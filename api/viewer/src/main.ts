@@ -58,14 +58,24 @@ async function synthesise(): Promise<void> {
     show(answer, request);
     form.writeAddress();
     hideProblem();
-    const curvesOfServer = await evaluate(answer.bvh);
-    if (number === newest) curves.add(curvesOfServer, answer.report.contacts);
+    void addEvaluation(answer, number);
   } catch (error) {
     if (number !== newest) return;
     showProblem(error);
     if (error instanceof ApiError) form.markErrors(error);
   } finally {
     if (number === newest) byId('request').removeAttribute('aria-busy');
+  }
+}
+
+async function addEvaluation(answer: ClipResponse, number: number): Promise<void> {
+  try {
+    const evaluation = await evaluate(answer.bvh);
+    if (number === newest) curves.add(evaluation, answer.report.contacts);
+  } catch (error) {
+    // The clip itself is fine: no reason for an alarm.
+    const reason = error instanceof ApiError ? `${error.title}: ${error.detail}` : String(error);
+    if (number === newest) curves.addNote(`Frame difference and contact distance could not be measured. ${reason}`);
   }
 }
 

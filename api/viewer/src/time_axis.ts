@@ -1,5 +1,5 @@
 // The horizontal axis that the time line and all curves share, so that one moment stands at one place in all of them.
-import { svg } from './dom';
+import { html, svg } from './dom';
 
 export const LEFT_PX = 46;
 export const RIGHT_PX = 12;
@@ -31,6 +31,18 @@ export class TimeAxis {
       const line = svg('line', { x1: x, x2: x, y1: top, y2: bottom, class: 'tick' });
       return labelled ? [line, svg('text', { x, y: bottom + 13, class: 'axis-text', 'text-anchor': 'middle' }, label(time))] : [line];
     });
+  }
+}
+
+/**
+ * The line at the moment being played. It lies over a drawing, not in it: moving a part of an SVG would paint all of it anew
+ * for each frame, and the drawings of long clips have thousands of parts.
+ */
+export class Playhead {
+  readonly element = html('div', { class: 'playhead', 'aria-hidden': 'true' });
+
+  move(x: number): void {
+    this.element.style.transform = `translateX(${x.toFixed(1)}px)`;
   }
 }
 

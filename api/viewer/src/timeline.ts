@@ -3,7 +3,7 @@
 import type { Report } from './api_client';
 import { html, onWidth, spoken, svg } from './dom';
 import type { Player } from './player';
-import { LEFT_PX, RIGHT_PX, TimeAxis, scrubbable } from './time_axis';
+import { LEFT_PX, Playhead, RIGHT_PX, TimeAxis, scrubbable } from './time_axis';
 
 const STEP_ROW = { y: 2, height: 22 };
 const FOOT_ROWS = { left: { y: 30, height: 12 }, right: { y: 46, height: 12 } };
@@ -13,13 +13,14 @@ const HEIGHT = 80;
 export class Timeline {
   private readonly drawing = svg('svg', { class: 'timeline-drawing', 'aria-hidden': 'true', height: HEIGHT });
   private readonly slider = html('input', { type: 'range', id: 'scrub', min: 0, step: 1, value: 0, 'aria-label': 'Place in the clip' });
-  private readonly head = svg('line', { class: 'playhead', y1: 0, y2: AXIS_Y + 3 });
+  private readonly head = new Playhead();
   private stepBoxes: SVGElement[] = [];
+  private litBox?: SVGElement;
   private axis = new TimeAxis(600, 1);
   private report?: Report;
 
   constructor(host: HTMLElement, private readonly player: Player) {
-    host.append(this.drawing, this.slider);
+    host.append(this.drawing, this.head.element, this.slider);
     onWidth(host, (width) => {
       this.axis = new TimeAxis(width, player.duration);
       this.draw();
@@ -65,21 +66,22 @@ export class Timeline {
           svg('title', {}, `${foot} foot planted, frames ${contact.from} to ${contact.to}`)));
       }
     }
-    this.drawing.replaceChildren(...rows, this.head);
+    this.drawing.replaceChildren(...rows);
     this.drawing.setAttribute('width', String(axis.width));
     this.follow();
   }
 
   private follow(): void {
     const { player, axis } = this;
-    const x = axis.x(player.time);
-    this.head.setAttribute('x1', String(x));
-    this.head.setAttribute('x2', String(x));
+    this.head.move(axis.x(player.time));
     this.slider.value = String(player.frame);
     const step = currentStep(this.report, player.frame);
     const name = step < 0 ? '' : `, ${spoken(this.report!.steps[step].primitive)}`;
     this.slider.setAttribute('aria-valuetext', `${player.time.toFixed(2)} of ${player.duration.toFixed(2)} seconds${name}`);
-    this.stepBoxes.forEach((box, i) => box.classList.toggle('current', i === step));
+    if (this.litBox === this.stepBoxes[step]) return;
+    this.litBox?.classList.remove('current');
+    this.litBox = this.stepBoxes[step];
+    this.litBox?.classList.add('current');
   }
 }
 
