@@ -8,6 +8,7 @@
 #include "datasets/gait_curves.h"
 #include "datasets/internal/gait_foot.h"
 #include "datasets/internal/gait_plan.h"
+#include "datasets/internal/smooth_envelope.h"
 #include "datasets/leg_ik.h"
 #include "datasets/synthetic_skeleton.h"
 
@@ -153,37 +154,12 @@ void Walker::PlanPelvisHeight() {
     }
   }
 
-  const auto clamped = [count](int i) { return std::clamp(i, 0, count - 1); };
-  const int reach = static_cast<int>(3 * kHeightSmoothingS * kGridHz);
-  std::vector<double> smooth(count);
-  for (int i = 0; i < count; ++i) {
-    double sum = 0, weights = 0;
-    for (int d = -reach; d <= reach; ++d) {
-      const double z = d / (kHeightSmoothingS * kGridHz);
-      const double weight = std::exp(-z * z / 2);
-      sum += weight * wanted[clamped(i + d)];
-      weights += weight;
-    }
-    smooth[i] = sum / weights;
-  }
-  // What is above the legs' reach is taken off under a smooth envelope: the running maximum of the excess, then a bell of the same
-  // width, which stays above the excess itself.
-  const int relief = static_cast<int>(kReliefS * kGridHz);
-  std::vector<double> excess(count), widest(count);
+  const std::vector<double> smooth = GaussianSmoothed(wanted, kHeightSmoothingS * kGridHz);
+  std::vector<double> excess(count);
   for (int i = 0; i < count; ++i) excess[i] = std::max(0.0, smooth[i] - limit[i]);
-  for (int i = 0; i < count; ++i) {
-    for (int d = -relief; d <= relief; ++d) widest[i] = std::max(widest[i], excess[clamped(i + d)]);
-  }
+  const std::vector<double> relief = SmoothEnvelope(excess, static_cast<int>(kReliefS * kGridHz));
   heights_.resize(count);
-  for (int i = 0; i < count; ++i) {
-    double sum = 0, weights = 0;
-    for (int d = -relief; d <= relief; ++d) {
-      const double weight = 1 + std::cos(boost::math::double_constants::pi * d / (relief + 1));
-      sum += weight * widest[clamped(i + d)];
-      weights += weight;
-    }
-    heights_[i] = smooth[i] - sum / weights;
-  }
+  for (int i = 0; i < count; ++i) heights_[i] = smooth[i] - relief[i];
 }
 
 double Walker::PelvisHeight(double t_s) const {

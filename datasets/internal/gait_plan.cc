@@ -17,6 +17,7 @@ constexpr double kNormalStature = 1.75;  // of the gait curves
 constexpr double kWalkRatio = 0.0064;    // m min, Sekiya & Nagasaki 1998
 constexpr double kShiftS = 0.45;         // weight shift before the first lift
 constexpr double kSettleS = 0.50;        // after the closing strike
+constexpr double kAheadAtStrike = 0.05;  // of the pelvis, in step lengths
 constexpr double kStandWidthM = 0.17;    // between the ankles when standing
 
 // Standard deviations of one step at variation 1.
@@ -145,7 +146,9 @@ GaitPlan PlanGait(const SyntheticGaitOptions& options) {
     plan.strikes.push_back({foot, stance.strike_s, stance.ankle_m});
   }
 
-  // The pelvis: halfway between the feet in the middle of double support, towards the standing foot between.
+  // The pelvis: a little ahead of halfway between the feet at each strike (the trailing heel has risen by then), and in the middle of
+  // double support over the line between them; towards the standing foot from there to the next.
+  const double ahead_m = kAheadAtStrike * plan.step_m;
   const double sway_m = 0.012 + 0.22 * step_half;
   std::vector<double> progress_t = {begin_s}, progress = {0}, sway_t = {begin_s}, sway = {0};
   const double first_stance_side = -left(side_of(0));
@@ -155,8 +158,8 @@ GaitPlan PlanGait(const SyntheticGaitOptions& options) {
     const double middle = time[k] + both_s[k] / 2;
     const double behind = k == 0 ? 0.0 : at[k - 1];
     if (k < steps) {
-      progress_t.push_back(middle);
-      progress.push_back((behind + at[k]) / 2);
+      progress_t.push_back(time[k]);
+      progress.push_back((behind + at[k]) / 2 + ahead_m);
       sway_t.push_back(middle);
       sway.push_back(0);
       const double next_s = k + 1 < count ? time[k + 1] : time[k] + plan.step_s;
