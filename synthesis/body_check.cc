@@ -40,10 +40,6 @@ BodyCheck CheckBody(const EvaluationMotion& motion) {
   const auto above = [&](const Eigen::Vector3d& point) { return point.y() - motion.ground.HeightAt(point); };
   for (int f = 0; f < motion.frame_count(); ++f) {
     const Eigen::Matrix3Xd& positions = motion.joint_positions[static_cast<size_t>(f)];
-    if (!positions.allFinite()) {
-      check.finite = false;
-      continue;
-    }
     const Eigen::Vector3d pelvis_left =
         positions.col(roles[JointRole::kLeftHip]) - positions.col(roles[JointRole::kRightHip]);
     for (int side = 0; side < 2; ++side) {

@@ -6,7 +6,6 @@ namespace morphograph {
 
 /// What a body can never do; a synthesised clip is checked against it.
 struct BodyCheck {
-  bool finite = true;               // every joint position is a number
   double min_knee_flexion_deg = 0;  // of both knees; negative where a knee bends back
   double max_knee_flexion_deg = 0;
   double bone_length_error_m = 0;   // largest |distance to the parent - offset| over joints and frames

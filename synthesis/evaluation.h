@@ -20,7 +20,7 @@ struct ClipEvaluation {
 
 /// Evaluates any clip with leg roles, synthesised or captured, by the same measures (METHODS section 6): the ground and the
 /// contacts are found from the clip itself.
-/// @throws std::invalid_argument when leg roles are missing or there are fewer than 2 frames.
+/// @throws std::invalid_argument when leg roles are missing, there are fewer than 2 frames, or a joint is not finite.
 ClipEvaluation EvaluateClip(const MotionClip& clip);
 
 /// The same for a clip at 30 fps whose joint positions and contacts are known already, so that nothing is worked out twice.
@@ -35,6 +35,9 @@ struct SetComparison {
   double frechet = 0;            // set against reference
   double frechet_halves = 0;     // reference against itself: mean over random halves
   double frechet_ratio = 0;      // frechet / frechet_halves
+  /// Mean squared distance of a window from the reference's 32 leading directions, set / reference. The Fréchet distance
+  /// is blind to what leaves those directions (a pose that the reference never varies, noise); this is not.
+  double residual_ratio = 0;
   double diversity = 0;          // mean pairwise window distance inside the set
   double diversity_reference = 0;
   int windows = 0;

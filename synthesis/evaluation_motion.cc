@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <stdexcept>
+#include <string>
 
 #include "datasets/forward_kinematics.h"
 #include "datasets/resample.h"
@@ -24,9 +25,13 @@ EvaluationMotion PrepareEvaluation(const MotionClip& clip) {
   }
   EvaluationMotion motion;
   motion.skeleton = clip.shared_skeleton();
-  motion.contacts = DetectContacts(clip);
   motion.joint_positions = JointPositions(clip);
-  motion.ground = FitGroundPlane(motion.contacts);
+  for (int f = 0; f < motion.frame_count(); ++f) {
+    if (motion.joint_positions[static_cast<size_t>(f)].allFinite()) continue;
+    throw std::invalid_argument("PrepareEvaluation: frame " + std::to_string(f) + " of '" + clip.name + "' is not finite");
+  }
+  motion.contacts = DetectContacts(clip);
+  motion.ground = FitGroundPlane(motion.contacts, kEvaluationRateHz);
   return motion;
 }
 

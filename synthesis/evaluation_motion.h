@@ -25,7 +25,7 @@ struct EvaluationMotion {
 };
 
 /// Resamples to 30 fps where the clip has another rate.
-/// @throws std::invalid_argument when leg roles are missing or fewer than 2 frames are left at 30 fps.
+/// @throws std::invalid_argument when leg roles are missing, fewer than 2 frames are left at 30 fps, or a joint is not finite.
 EvaluationMotion PrepareEvaluation(const MotionClip& clip);
 
 }  // namespace morphograph

@@ -12,6 +12,7 @@ namespace {
 // Spread of stance heights on a flat floor and of floor slopes; their ratio is the ridge.
 constexpr double kStanceSigma_m = 0.005;
 constexpr double kSlopeSigma = 0.01;
+constexpr double kStillSpeed_m_s = 0.3;
 constexpr int kReweightings = 4;
 
 double Quantile(std::vector<double>* values, double q) {
@@ -20,31 +21,39 @@ double Quantile(std::vector<double>* values, double q) {
   return (*values)[at];
 }
 
-std::vector<Eigen::Vector3d> StancePoints(const ContactTrack& contacts) {
+// The smaller of backward and forward difference, as in contact detection: a frame next to a still one is still.
+bool IsStill(const Eigen::Matrix3Xd& path, int frame, double frame_rate_hz) {
+  const double limit = kStillSpeed_m_s / frame_rate_hz;
+  const auto step_is_short = [&](int from) {
+    return from >= 0 && from + 1 < path.cols() && (path.col(from + 1) - path.col(from)).norm() < limit;
+  };
+  return step_is_short(frame - 1) || step_is_short(frame);
+}
+
+std::vector<Eigen::Vector3d> StancePoints(const ContactTrack& contacts, double frame_rate_hz) {
   std::vector<Eigen::Vector3d> points;
   std::vector<double> x, y, z;
   for (const ContactInterval& interval : contacts.intervals) {
-    const int side = interval.foot == Foot::kLeft ? 0 : 1;
+    const Eigen::Matrix3Xd& ball = contacts.balls[interval.foot == Foot::kLeft ? 0 : 1];
     x.clear(), y.clear(), z.clear();
     for (int f = interval.first; f <= interval.last; ++f) {
-      const bool heel_is_lower = contacts.heels[side](1, f) < contacts.balls[side](1, f);
-      const auto point = heel_is_lower ? contacts.heels[side].col(f) : contacts.balls[side].col(f);
-      x.push_back(point.x()), y.push_back(point.y()), z.push_back(point.z());
+      if (!IsStill(ball, f, frame_rate_hz)) continue;
+      x.push_back(ball(0, f)), y.push_back(ball(1, f)), z.push_back(ball(2, f));
     }
-    if (y.empty()) continue;
-    points.emplace_back(Quantile(&x, 0.5), Quantile(&y, 0.5), Quantile(&z, 0.5));
+    if (!y.empty()) points.emplace_back(Quantile(&x, 0.5), Quantile(&y, 0.5), Quantile(&z, 0.5));
   }
   return points;
 }
 
 }  // namespace
 
-GroundPlane FitGroundPlane(const ContactTrack& contacts) {
+GroundPlane FitGroundPlane(const ContactTrack& contacts, double frame_rate_hz) {
   const Eigen::Index frames = contacts.balls[0].cols();
   if (frames == 0 || contacts.balls[1].cols() != frames) {
     throw std::invalid_argument("FitGroundPlane: contacts of at least one frame are needed, both feet alike");
   }
-  const std::vector<Eigen::Vector3d> points = StancePoints(contacts);
+  if (!(frame_rate_hz > 0)) throw std::invalid_argument("FitGroundPlane: the frame rate must be positive");
+  const std::vector<Eigen::Vector3d> points = StancePoints(contacts, frame_rate_hz);
   GroundPlane plane;
   if (points.empty()) {
     std::vector<double> lower(static_cast<size_t>(frames));

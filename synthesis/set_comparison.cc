@@ -77,12 +77,15 @@ SetComparison CompareWindowSets(const Windows& clips, const Windows& reference, 
   Windows projected;
   for (const Eigen::MatrixXd& clip : filled) projected.push_back(space.Project(clip));
   const Eigen::MatrixXd of_reference = JoinColumns(projected);
-  const Eigen::MatrixXd of_clips = space.Project(JoinColumns(clips));
+  const Eigen::MatrixXd joined_clips = JoinColumns(clips);
+  const Eigen::MatrixXd of_clips = space.Project(joined_clips);
 
   std::mt19937_64 rng(seed);
   comparison.frechet = FrechetDistance(FitGaussian(of_clips), FitGaussian(of_reference));
   comparison.frechet_halves = HalvesDistance(projected, rng);
   comparison.frechet_ratio = comparison.frechet / comparison.frechet_halves;
+  comparison.residual_ratio =
+      space.MeanSquaredResidual(joined_clips) / space.MeanSquaredResidual(JoinColumns(filled));
   comparison.diversity = Diversity(of_clips, rng);
   comparison.diversity_reference = Diversity(of_reference, rng);
   return comparison;

@@ -24,7 +24,6 @@ struct SetQuality {
   double max_knee_flexion_deg = 0;
   double lowest_m = 0;  // of heels, balls and ankles above the contact plane
   double bone_length_error_m = 0;
-  bool finite = true;
 };
 
 struct SetQualityOptions {
@@ -33,7 +32,7 @@ struct SetQualityOptions {
   int piece_frames = 90;
 };
 
-/// @throws std::invalid_argument when no clip holds a piece, or leg roles are missing.
+/// @throws std::invalid_argument when no clip holds a piece, leg roles are missing, or a clip is not finite.
 SetQuality MeasureSet(const std::vector<MotionClip>& clips, const SetQualityOptions& options = {});
 
 }  // namespace morphograph

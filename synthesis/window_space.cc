@@ -34,4 +34,12 @@ Eigen::MatrixXd WindowSpace::Project(const Eigen::MatrixXd& windows) const {
   return basis_.transpose() * (windows.colwise() - mean_) / first_deviation_;
 }
 
+double WindowSpace::MeanSquaredResidual(const Eigen::MatrixXd& windows) const {
+  if (windows.cols() == 0) return 0;
+  const Eigen::MatrixXd projected = Project(windows);
+  // The directions are orthonormal: what is left is the whole length without the projected one.
+  const double whole = (windows.colwise() - mean_).squaredNorm() / (first_deviation_ * first_deviation_);
+  return std::max(0.0, whole - projected.squaredNorm()) / static_cast<double>(windows.cols());
+}
+
 }  // namespace morphograph

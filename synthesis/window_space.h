@@ -17,6 +17,9 @@ class WindowSpace {
   /// @param windows  (D x N). @return (directions x N). @throws std::invalid_argument when D differs.
   Eigen::MatrixXd Project(const Eigen::MatrixXd& windows) const;
 
+  /// Mean squared distance of windows from the span of the directions, same scale. @throws as Project.
+  double MeanSquaredResidual(const Eigen::MatrixXd& windows) const;
+
   int directions() const { return static_cast<int>(basis_.cols()); }
   /// Fraction of the captured variance that the directions keep.
   double variance_kept() const { return variance_kept_; }

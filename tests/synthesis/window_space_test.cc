@@ -36,6 +36,16 @@ TEST(WindowSpace, KeepsLeadingDirectionsScaledByTheFirst) {
   EXPECT_NEAR(space.variance_kept(), 21.0 / 21.01, 1e-4);
 }
 
+TEST(WindowSpace, ResidualIsWhatTheDirectionsLeaveOut) {
+  std::mt19937_64 rng(15);
+  const Eigen::MatrixXd windows = NormalWindows(Eigen::Vector3d::Zero(), Eigen::Vector3d(2, 1, 0.1), 5000, rng);
+  const WindowSpace space(windows, 2);
+  EXPECT_NEAR(space.MeanSquaredResidual(windows), 0.01 / 4, 2e-4);
+  Eigen::MatrixXd lifted = windows;
+  lifted.row(2).array() += 1;
+  EXPECT_NEAR(space.MeanSquaredResidual(lifted), 1.01 / 4, 0.01);
+}
+
 TEST(WindowSpace, RefusesWhatHasNoDirection) {
   EXPECT_THROW(WindowSpace(Eigen::MatrixXd::Ones(4, 10)), std::invalid_argument);
   EXPECT_THROW(WindowSpace(Eigen::MatrixXd::Ones(4, 1)), std::invalid_argument);
