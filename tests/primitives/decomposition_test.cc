@@ -1,0 +1,154 @@
+#include "primitives/decomposition.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+
+#include "datasets/bvh_reader.h"
+#include "datasets/clip_conversion.h"
+#include "datasets/synthetic_gait.h"
+#include "primitives/keyframe_detector.h"
+#include "tests/support/shared_data.h"
+
+namespace morphograph {
+namespace {
+
+std::vector<Segment> Cut(const MotionClip& clip) { return Decompose(clip, 3, DetectKeyframes(clip)); }
+
+std::vector<std::string> Names(const std::vector<Segment>& segments) {
+  std::vector<std::string> names;
+  for (const Segment& segment : segments) names.push_back(segment.primitive);
+  return names;
+}
+
+SyntheticGaitOptions Walk() {
+  SyntheticGaitOptions options;
+  options.steps = 6;
+  options.stand_s = 1;
+  return options;
+}
+
+TEST(Decomposition, AWholeWalkIsAStartAlternatingStepsAndAnEnd) {
+  const std::vector<Segment> segments = Cut(GenerateGait(Walk()));
+  EXPECT_THAT(Names(segments), ::testing::ElementsAre("left_first_start", "right_walk", "left_walk", "right_walk",
+                                                      "left_walk", "right_walk", "left_end"));
+  for (size_t i = 0; i < segments.size(); ++i) {
+    EXPECT_EQ(segments[i].clip, 3);
+    EXPECT_EQ(segments[i].previous, static_cast<int>(i) - 1);
+    if (i > 0) {
+      EXPECT_EQ(segments[i].start_frame, segments[i - 1].end_frame);
+    }
+  }
+}
+
+TEST(Decomposition, TheOtherFirstFootSwapsSides) {
+  SyntheticGaitOptions options = Walk();
+  options.left_first = false;
+  EXPECT_THAT(Names(Cut(GenerateGait(options))),
+              ::testing::ElementsAre("right_first_start", "left_walk", "right_walk", "left_walk", "right_walk",
+                                     "left_walk", "right_end"));
+}
+
+TEST(Decomposition, StepsNextToAStartAndAStopAreNotSteady) {
+  const std::vector<Segment> segments = Cut(GenerateGait(Walk()));
+  ASSERT_EQ(segments.size(), 7u);
+  EXPECT_FALSE(segments[1].steady);
+  EXPECT_TRUE(segments[3].steady);
+  EXPECT_FALSE(segments[5].steady);
+}
+
+TEST(Decomposition, SegmentsKeepTheirMarginInTheClip) {
+  SyntheticGaitOptions options = Walk();
+  options.start_standing = options.stop_standing = false;
+  const MotionClip clip = GenerateGait(options);
+  const std::vector<Segment> segments = Cut(clip);
+  ASSERT_FALSE(segments.empty());
+  for (const Segment& segment : segments) {
+    const double margin = 0.25 * (segment.end_frame - segment.start_frame);
+    EXPECT_GE(segment.start_frame, margin);
+    EXPECT_LE(segment.end_frame + margin, clip.frame_count() - 1);
+  }
+}
+
+TEST(Decomposition, AMissedLandingLeavesAHoleAndNoSegmentAcrossIt) {
+  const MotionClip clip = GenerateGait(Walk());
+  std::vector<Keyframe> keyframes = DetectKeyframes(clip);
+  const auto stance = std::find_if(keyframes.begin() + 4, keyframes.end(), [](const Keyframe& keyframe) {
+    return keyframe.label == KeyframeLabel::kRightStance;
+  });
+  ASSERT_NE(stance, keyframes.end());
+  const double missing = stance->frame;
+  keyframes.erase(stance);
+  const std::vector<Segment> segments = Decompose(clip, 0, keyframes);
+  EXPECT_EQ(segments.size(), 5u);
+  EXPECT_EQ(std::count_if(segments.begin(), segments.end(), [](const Segment& s) { return s.previous < 0; }), 2);
+  for (const Segment& segment : segments) {
+    EXPECT_FALSE(segment.start_frame < missing && missing < segment.end_frame) << segment.primitive;
+  }
+}
+
+TEST(Decomposition, BackwardStepsAndFrozenRecordingsAreNotSteady) {
+  MotionClip clip = GenerateGait(Walk());
+  const std::vector<Keyframe> keyframes = DetectKeyframes(clip);
+  // The walk run backwards in time goes backwards in space.
+  MotionClip backwards = clip;
+  std::vector<Keyframe> reversed;
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    const int from = clip.frame_count() - 1 - f;
+    for (int j = 0; j < clip.joint_count(); ++j) backwards.rotation(f, j) = clip.rotation(from, j);
+    backwards.root_positions().col(f) = clip.root_positions().col(from);
+  }
+  for (auto it = keyframes.rbegin(); it != keyframes.rend(); ++it) {
+    reversed.push_back({clip.frame_count() - 1 - it->frame, it->label});
+  }
+  for (const Segment& segment : Decompose(backwards, 0, reversed)) EXPECT_FALSE(segment.steady) << segment.primitive;
+
+  const std::vector<Segment> segments = Decompose(clip, 0, keyframes);
+  ASSERT_TRUE(segments[3].steady);
+  const int middle = static_cast<int>(0.5 * (segments[3].start_frame + segments[3].end_frame));
+  for (int f = middle; f < middle + 5; ++f) clip.root_positions().col(f) = clip.root_positions().col(middle);
+  EXPECT_FALSE(Decompose(clip, 0, keyframes)[3].steady);
+}
+
+TEST(Decomposition, TakesClipsWithoutSteps) {
+  const MotionClip clip = GenerateGait(Walk());
+  EXPECT_TRUE(Decompose(clip, 0, {}).empty());
+  EXPECT_TRUE(Cut(clip.Slice(0, 1)).empty());
+  EXPECT_TRUE(Cut(clip.Slice(0, 40)).empty());
+}
+
+TEST(Decomposition, RefusesKeyframesOutOfOrderOrOutside) {
+  const MotionClip clip = GenerateGait(Walk());
+  EXPECT_THROW(Decompose(clip, 0, {{40, KeyframeLabel::kLeftStance}, {20, KeyframeLabel::kRightStance}}),
+               std::invalid_argument);
+  EXPECT_THROW(Decompose(clip, 0, {{1e6, KeyframeLabel::kLeftStance}}), std::invalid_argument);
+}
+
+struct Recording {
+  const char* path;
+  int least_steady, most_steady;  // walking steps
+};
+
+class Recordings : public ::testing::TestWithParam<Recording> {};
+
+TEST_P(Recordings, HoldTheStepsThatTheyShow) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const MotionClip clip = ImportClip(ReadBvhFile(testing::SharedData() / GetParam().path));
+  const std::vector<Segment> segments = Cut(clip);
+  const auto steady = std::count_if(segments.begin(), segments.end(), [](const Segment& segment) {
+    return segment.steady && segment.primitive.ends_with("_walk");
+  });
+  EXPECT_GE(steady, GetParam().least_steady);
+  EXPECT_LE(steady, GetParam().most_steady);
+}
+
+INSTANTIATE_TEST_SUITE_P(Shared, Recordings,
+                         ::testing::Values(Recording{"cmu/07/07_01.bvh", 3, 4},
+                                           Recording{"cmu/06/06_07.bvh", 0, 0},  // backwards
+                                           Recording{"cmu/09/09_01.bvh", 0, 0},  // a run
+                                           Recording{"bnr/dataset-2/walk/dataset-2_walk_normal_002.bvh", 12, 15}));
+
+}  // namespace
+}  // namespace morphograph
