@@ -41,5 +41,14 @@ TEST(Augmentation, WithoutFlagsGivesTheClipsThemselves) {
   EXPECT_EQ(all[0].clip.root_positions(), clips[0].root_positions());
 }
 
+TEST(Augmentation, TheDefaultModelsManifestNamesItsSourceAndAsksForCopies) {
+  const DatasetManifest manifest =
+      ReadManifest(std::filesystem::path(MORPHOGRAPH_SOURCE_DIR) / "datasets/models/walk.manifest.json");
+  EXPECT_TRUE(manifest.mirror && manifest.bend);
+  EXPECT_FALSE(manifest.source.empty() || manifest.licence.empty() || manifest.attribution.empty());
+  EXPECT_TRUE(Includes(manifest, "07/07_03.bvh"));
+  EXPECT_FALSE(Includes(manifest, "06/06_07.bvh"));  // walks backwards
+}
+
 }  // namespace
 }  // namespace morphograph
