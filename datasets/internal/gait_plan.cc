@@ -17,7 +17,7 @@ constexpr double kNormalStature = 1.75;  // of the gait curves
 constexpr double kWalkRatio = 0.0064;    // m min, Sekiya & Nagasaki 1998
 constexpr double kShiftS = 0.45;         // weight shift before the first lift
 constexpr double kSettleS = 0.50;        // after the closing strike
-constexpr double kAheadAtStrike = 0.05;  // of the pelvis, in step lengths
+constexpr double kAheadAtStrike = 0.02;  // of the pelvis, in step lengths
 constexpr double kStandWidthM = 0.17;    // between the ankles when standing
 
 // Standard deviations of one step at variation 1.
