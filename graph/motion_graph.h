@@ -21,9 +21,18 @@ struct ModelProvenance {
   std::vector<std::string> notes;  // what training could not learn, dead ends
 };
 
+/// Where the feet of a style touch the floor; index 0 is the left foot.
+struct FeetGeometry {
+  /// The heel, fixed in the foot, in the frame of the ankle joint.
+  Eigen::Vector3d heel_offset_m[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
+  double heel_height_m[2] = {0, 0};  // over the floor, while planted
+  double ball_height_m[2] = {0, 0};
+};
+
 struct GraphStyle {
   std::string name;  // empty where the data has no styles
   MeanRotations mean_rotations;
+  FeetGeometry feet;
 };
 
 struct GraphEdge {

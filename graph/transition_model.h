@@ -32,6 +32,9 @@ struct TransitionModel {
   Eigen::MatrixXd noise_cholesky;         // lower, of I - Cov(A w + f(w)), for densities
   double log_marginal_likelihood = 0;     // of the process, or of A with white noise
   double length_scale = 0, signal_variance = 0, noise_variance = 0;
+
+  /// A w + f(w): mean of the next whitened latent.
+  Eigen::VectorXd Mean(const Eigen::VectorXd& whitened) const;
 };
 
 }  // namespace morphograph

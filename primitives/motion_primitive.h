@@ -49,9 +49,9 @@ struct MotionPrimitive {
   double initial_weight = 0;  // how often a clip's steady walking began here
   StepReduction reduction;
   GaussianMixture mixture;
+  CovarianceForm covariance_form = CovarianceForm::kFull;
+  double latent_radius = 0;  // largest norm of a whitened training latent
   ContactChances contacts = ContactChances::Zero();
-  /// Height of each part over the floor while planted, metres, rows as in ContactChances.
-  Eigen::Vector4d planted_height_m = Eigen::Vector4d::Zero();
 
   /// The step that a latent vector stands for. @throws std::invalid_argument if its size is not `components()`.
   StepShape Shape(const Eigen::VectorXd& latent) const;

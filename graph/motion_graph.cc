@@ -1,0 +1,119 @@
+#include "graph/motion_graph.h"
+
+#include <boost/graph/adjacency_list.hpp>
+#include <cmath>
+#include <stdexcept>
+
+namespace morphograph {
+namespace {
+
+void Require(bool condition, const std::string& what) {
+  if (!condition) throw std::invalid_argument("MotionGraph: " + what);
+}
+
+void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& contents) {
+  const std::string name = "primitive '" + primitive.name + "' (" + primitive.style + "): ";
+  const Eigen::Index values = contents.layout.channels() * kPhaseSamples + kTimingValues;
+  Require(primitive.reduction.mean.size() == values && primitive.reduction.basis.rows() == values,
+          name + "vectors do not fit the pose layout");
+  Require(primitive.mixture.size() > 0 && primitive.mixture.dimension() == primitive.reduction.components(),
+          name + "mixture does not fit the reduction");
+  Require(primitive.style_index >= 0 && primitive.style_index < static_cast<int>(contents.styles.size()),
+          name + "no such style");
+}
+
+void CheckEdge(const GraphEdge& edge, size_t index, const std::vector<MotionPrimitive>& primitives) {
+  const std::string name = "edge " + std::to_string(index) + ": ";
+  const int count = static_cast<int>(primitives.size());
+  Require(edge.from >= 0 && edge.from < count && edge.to >= 0 && edge.to < count, name + "joins no such primitives");
+  const MotionPrimitive& from = primitives[edge.from];
+  const MotionPrimitive& to = primitives[edge.to];
+  const TransitionModel& model = edge.model;
+  Require(model.linear.rows() == to.reduction.components() && model.linear.cols() == from.reduction.components(),
+          name + "linear part does not fit its primitives");
+  Require(model.component_chances.rows() == from.mixture.size() && model.component_chances.cols() == to.mixture.size(),
+          name + "component chances do not fit its primitives");
+  Require(model.residuals.cols() == static_cast<Eigen::Index>(model.residual_component.size()) &&
+              (model.residuals.cols() == 0 || model.residuals.rows() == to.reduction.components()),
+          name + "residuals do not fit its target");
+  Require(model.noise_cholesky.rows() == to.reduction.components() && model.noise_cholesky.cols() == model.noise_cholesky.rows(),
+          name + "noise does not fit its target");
+  Require(model.probability > 0 && model.probability <= 1 + 1e-9, name + "probability is not in (0, 1]");
+}
+
+}  // namespace
+
+struct MotionGraph::Storage {
+  using Graph = boost::adjacency_list<boost::vecS, boost::vecS, boost::directedS, MotionPrimitive, TransitionModel>;
+  using Edge = boost::graph_traits<Graph>::edge_descriptor;
+
+  GraphContents header;  // without primitives and edges, which live in `graph`
+  std::string hash;
+  Graph graph;
+  std::vector<Edge> edges;                  // by our own id
+  std::vector<std::vector<int>> out_edges;  // ids that leave a primitive
+};
+
+MotionGraph::MotionGraph(GraphContents contents, std::string hash) {
+  Require(!contents.primitives.empty(), "no primitives");
+  Require(!contents.layout.active_joints().empty(), "no pose layout");
+  Require(contents.frame_rate_hz > 0, "frame rate must be positive");
+  for (const GraphStyle& style : contents.styles) {
+    Require(static_cast<int>(style.mean_rotations.size()) == contents.layout.skeleton().joint_count(),
+            "mean rotations of style '" + style.name + "' do not fit the skeleton");
+  }
+  auto storage = std::make_unique<Storage>();
+  for (const MotionPrimitive& primitive : contents.primitives) CheckPrimitive(primitive, contents);
+  storage->out_edges.resize(contents.primitives.size());
+  std::vector<double> leaving(contents.primitives.size(), 0);
+  for (size_t i = 0; i < contents.edges.size(); ++i) {
+    CheckEdge(contents.edges[i], i, contents.primitives);
+    leaving[contents.edges[i].from] += contents.edges[i].model.probability;
+    storage->out_edges[contents.edges[i].from].push_back(static_cast<int>(i));
+  }
+  for (size_t i = 0; i < leaving.size(); ++i) {
+    Require(storage->out_edges[i].empty() || std::abs(leaving[i] - 1) < 1e-6,
+            "chances of leaving primitive '" + contents.primitives[i].name + "' do not sum to 1");
+  }
+  for (MotionPrimitive& primitive : contents.primitives) boost::add_vertex(std::move(primitive), storage->graph);
+  for (GraphEdge& edge : contents.edges) {
+    storage->edges.push_back(boost::add_edge(edge.from, edge.to, std::move(edge.model), storage->graph).first);
+  }
+  contents.primitives.clear();
+  contents.edges.clear();
+  storage->header = std::move(contents);
+  storage->hash = std::move(hash);
+  storage_ = std::move(storage);
+}
+
+MotionGraph::~MotionGraph() = default;
+
+const std::string& MotionGraph::name() const { return storage_->header.name; }
+const std::string& MotionGraph::action() const { return storage_->header.action; }
+const std::string& MotionGraph::hash() const { return storage_->hash; }
+double MotionGraph::frame_rate_hz() const { return storage_->header.frame_rate_hz; }
+const ModelProvenance& MotionGraph::provenance() const { return storage_->header.provenance; }
+const PoseLayout& MotionGraph::layout() const { return storage_->header.layout; }
+const Skeleton& MotionGraph::skeleton() const { return storage_->header.layout.skeleton(); }
+const std::shared_ptr<const Skeleton>& MotionGraph::shared_skeleton() const {
+  return storage_->header.layout.shared_skeleton();
+}
+const std::vector<GraphStyle>& MotionGraph::styles() const { return storage_->header.styles; }
+
+std::vector<std::string> MotionGraph::style_names() const {
+  std::vector<std::string> names;
+  for (const GraphStyle& style : styles()) {
+    if (!style.name.empty()) names.push_back(style.name);
+  }
+  return names;
+}
+
+int MotionGraph::primitive_count() const { return static_cast<int>(boost::num_vertices(storage_->graph)); }
+const MotionPrimitive& MotionGraph::primitive(int id) const { return storage_->graph[id]; }
+int MotionGraph::edge_count() const { return static_cast<int>(storage_->edges.size()); }
+int MotionGraph::edge_from(int id) const { return static_cast<int>(boost::source(storage_->edges.at(id), storage_->graph)); }
+int MotionGraph::edge_to(int id) const { return static_cast<int>(boost::target(storage_->edges.at(id), storage_->graph)); }
+const TransitionModel& MotionGraph::transition(int id) const { return storage_->graph[storage_->edges.at(id)]; }
+const std::vector<int>& MotionGraph::out_edges(int primitive) const { return storage_->out_edges.at(primitive); }
+
+}  // namespace morphograph

@@ -1,0 +1,104 @@
+#include "graph/training_steps.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/forward_kinematics.h"
+#include "datasets/parallel_for.h"
+#include "primitives/decomposition.h"
+#include "primitives/keyframe_detector.h"
+
+namespace morphograph {
+namespace {
+
+// A joint that stays within this of its first rotation in every clip is not modelled (0.06 degrees).
+constexpr double kStill_rad = 1e-3;
+
+double Median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action) {
+  const KeyframeOptions keyframe_options = KeyframeOptionsFor(action);
+  std::vector<std::vector<Segment>> per_clip(clips.size());
+  ParallelFor(jobs, static_cast<int>(clips.size()), [&](int c) {
+    const std::vector<Keyframe> keyframes = DetectKeyframes(clips[c].clip, keyframe_options);
+    per_clip[c] = Decompose(clips[c].clip, c, keyframes);
+  });
+  std::vector<TrainingStep> steps;
+  for (const std::vector<Segment>& segments : per_clip) {
+    const int first = static_cast<int>(steps.size());
+    for (const Segment& segment : segments) {
+      steps.push_back({segment.clip,
+                       {segment.start_frame, segment.end_frame},
+                       segment.primitive,
+                       segment.start,
+                       segment.end,
+                       segment.previous < 0 ? -1 : first + segment.previous,
+                       segment.steady});
+    }
+  }
+  return steps;
+}
+
+std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps) {
+  std::map<std::pair<std::string, std::string>, std::vector<int>> groups;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    groups[{clips[steps[i].clip].clip.style, steps[i].primitive}].push_back(static_cast<int>(i));
+  }
+  std::vector<StepClass> classes;
+  for (auto& [key, members] : groups) classes.push_back({key.first, key.second, std::move(members)});
+  return classes;
+}
+
+std::vector<int> FindActiveJoints(const std::vector<PreparedClip>& clips) {
+  const Skeleton& skeleton = clips.front().clip.skeleton();
+  std::vector<int> active = {skeleton.moving_root()};
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (j == skeleton.moving_root() || !skeleton.IsBody(j)) continue;
+    const Eigen::Quaterniond& first = clips.front().clip.rotation(0, j);
+    const bool moves = std::any_of(clips.begin(), clips.end(), [&](const PreparedClip& prepared) {
+      for (int f = 0; f < prepared.clip.frame_count(); ++f) {
+        if (first.angularDistance(prepared.clip.rotation(f, j)) > kStill_rad) return true;
+      }
+      return false;
+    });
+    if (moves) active.push_back(j);
+  }
+  return active;
+}
+
+FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips) {
+  FeetGeometry feet;
+  for (int side = 0; side < 2; ++side) {
+    const JointRole ankle_role = side == 0 ? JointRole::kLeftAnkle : JointRole::kRightAnkle;
+    Eigen::Vector3d heel_sum = Eigen::Vector3d::Zero();
+    int heel_count = 0;
+    std::vector<double> heel_heights, ball_heights;
+    for (const PreparedClip* prepared : clips) {
+      const MotionClip& clip = prepared->clip;
+      const int ankle = clip.skeleton().roles()[ankle_role];
+      for (int f = 0; f < clip.frame_count(); ++f) {
+        const bool heel = prepared->contacts.planted(2 * side, f) != 0;
+        const bool ball = prepared->contacts.planted(2 * side + 1, f) != 0;
+        if (!heel || !ball) continue;  // flat on the floor
+        const WorldPose pose = ForwardKinematics(clip, f);
+        heel_sum += pose.rotations[ankle].conjugate() * (prepared->contacts.heels[side].col(f) - pose.positions.col(ankle));
+        ++heel_count;
+        heel_heights.push_back(prepared->contacts.heels[side](1, f));
+        ball_heights.push_back(prepared->contacts.balls[side](1, f));
+      }
+    }
+    if (heel_count > 0) feet.heel_offset_m[side] = heel_sum / heel_count;
+    feet.heel_height_m[side] = Median(heel_heights);
+    feet.ball_height_m[side] = Median(ball_heights);
+  }
+  return feet;
+}
+
+}  // namespace morphograph

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "datasets/contact_detector.h"
+#include "graph/graph_builder.h"
+#include "graph/motion_graph.h"
+#include "primitives/step_vector.h"
+
+namespace morphograph {
+
+/// A clip made ready to learn from: the model's skeleton, level floor, at most kWorkRate_hz, contacts found.
+struct PreparedClip {
+  MotionClip clip;
+  ContactTrack contacts;
+  bool made = false;
+};
+
+/// A segment of the capture, one step.
+struct TrainingStep {
+  int clip = 0;
+  StepSpan span;
+  std::string primitive;  // "left_walk", …
+  KeyframeLabel start = KeyframeLabel::kRightStance;
+  KeyframeLabel end = KeyframeLabel::kLeftStance;
+  int previous = -1;  // index of the step directly before it in the same clip
+  bool steady = true;
+};
+
+/// Steps of one kind and style, indices into the list of steps.
+struct StepClass {
+  std::string style;
+  std::string primitive;
+  std::vector<int> members;
+};
+
+/// Finds the steps of every clip (key frames, then decomposition), clip after clip, in time order.
+std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action);
+
+/// Groups steps by style and primitive, sorted by name.
+std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps);
+
+/// Joints that move at all in some clip, the moving root first.
+std::vector<int> FindActiveJoints(const std::vector<PreparedClip>& clips);
+
+/// Heel offsets and standing heights over the clips of a style.
+FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips);
+
+}  // namespace morphograph

@@ -1,0 +1,23 @@
+#pragma once
+
+#include <vector>
+
+#include "graph/transition_model.h"
+#include "primitives/gaussian_mixture.h"
+
+namespace morphograph {
+
+struct TransitionFitOptions {
+  double ridge = 0.3;           // of the linear part, relative to unit input variance
+  double largest_gain = 0.97;   // singular values of the linear part stay below
+  double smallest_noise = 0.02; // eigenvalues of the noise covariance stay above (whitened units)
+  double chance_prior = 1.0;    // pseudo-counts of the component chain, spread by the target's component weights
+  int min_pairs_for_process = 20;
+};
+
+/// Fits a transition to pairs of latents that follow each other in the capture (see TransitionModel).
+/// @throws std::invalid_argument without pairs or with sizes that do not fit the mixtures.
+TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixture& source, const GaussianMixture& target,
+                              const TransitionFitOptions& options = {});
+
+}  // namespace morphograph

@@ -1,0 +1,101 @@
+#include "synthesis/graph_walk.h"
+
+#include <Eigen/Cholesky>
+#include <boost/random/normal_distribution.hpp>
+#include <boost/random/uniform_01.hpp>
+#include <boost/random/uniform_int_distribution.hpp>
+#include <cmath>
+
+#include "primitives/whitening.h"
+
+namespace morphograph {
+namespace {
+
+constexpr double kLogTwoPi = 1.8378770664093454836;
+
+Eigen::VectorXd DrawStandardNormal(int size, std::mt19937_64& rng) {
+  boost::random::normal_distribution<double> normal;
+  Eigen::VectorXd values(size);
+  for (double& value : values) value = normal(rng);
+  return values;
+}
+
+// Noise of a transition: a residual of the capture that ended in the wanted component, drawn whole, so that what varies together in
+// the capture varies together here. Gaussian where the capture has none.
+Eigen::VectorXd DrawNoise(const TransitionModel& transition, int component, std::mt19937_64& rng) {
+  std::vector<int> candidates;
+  for (size_t i = 0; i < transition.residual_component.size(); ++i) {
+    if (transition.residual_component[i] == component) candidates.push_back(static_cast<int>(i));
+  }
+  if (candidates.empty()) {
+    return transition.noise_cholesky * DrawStandardNormal(static_cast<int>(transition.noise_cholesky.rows()), rng);
+  }
+  boost::random::uniform_int_distribution<int> pick(0, static_cast<int>(candidates.size()) - 1);
+  return transition.residuals.col(candidates[pick(rng)]).cast<double>();
+}
+
+std::vector<double> RowOf(const Eigen::MatrixXd& matrix, int row) {
+  std::vector<double> values(matrix.cols());
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) values[c] = matrix(row, c);
+  return values;
+}
+
+// Noise drawn whole can, once in thousands of steps, add up to a step far outside of everything captured.
+void KeepInsideCapture(const MotionPrimitive& primitive, Eigen::VectorXd* whitened) {
+  const double radius = whitened->norm();
+  if (primitive.latent_radius > 0 && radius > primitive.latent_radius) *whitened *= primitive.latent_radius / radius;
+}
+
+}  // namespace
+
+int DrawIndex(const std::vector<double>& weights, std::mt19937_64& rng) {
+  double total = 0;
+  for (const double weight : weights) total += std::max(0.0, weight);
+  if (!(total > 0)) return -1;
+  double left = boost::random::uniform_01<double>()(rng) * total;
+  int last = -1;
+  for (size_t i = 0; i < weights.size(); ++i) {
+    if (!(weights[i] > 0)) continue;
+    last = static_cast<int>(i);
+    left -= weights[i];
+    if (left < 0) break;
+  }
+  return last;
+}
+
+WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng) {
+  const MotionPrimitive& model = graph.primitive(primitive);
+  WalkStep step;
+  step.primitive = primitive;
+  std::vector<double> weights;
+  for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
+  step.component = std::max(0, DrawIndex(weights, rng));
+  step.whitened = DrawStandardNormal(model.reduction.components(), rng);
+  KeepInsideCapture(model, &step.whitened);
+  step.latent = Colour(model.mixture.Component(step.component), step.whitened);
+  step.log_likelihood = model.mixture.LogDensity(step.latent);
+  return step;
+}
+
+WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng) {
+  const TransitionModel& transition = graph.transition(edge);
+  WalkStep step;
+  step.primitive = graph.edge_to(edge);
+  step.edge = edge;
+  const MotionPrimitive& model = graph.primitive(step.primitive);
+  step.component = std::max(0, DrawIndex(RowOf(transition.component_chances, previous.component), rng));
+  const Eigen::VectorXd mean = transition.Mean(previous.whitened);
+  step.whitened = mean + DrawNoise(transition, step.component, rng);
+  KeepInsideCapture(model, &step.whitened);
+  const MixtureComponent& component = model.mixture.Component(step.component);
+  step.latent = Colour(component, step.whitened);
+
+  const auto noise = transition.noise_cholesky.triangularView<Eigen::Lower>();
+  const double log_volume = transition.noise_cholesky.diagonal().array().log().sum() + LogVolume(component);
+  step.log_likelihood = std::log(transition.probability) +
+                        std::log(transition.component_chances(previous.component, step.component)) -
+                        0.5 * (noise.solve(step.whitened - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
+  return step;
+}
+
+}  // namespace morphograph

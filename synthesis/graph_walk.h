@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <random>
+#include <vector>
+
+#include "graph/motion_graph.h"
+
+namespace morphograph {
+
+/// One step of a walk over the graph.
+struct WalkStep {
+  int primitive = 0;
+  int edge = -1;              // that led here; -1 for the first
+  int component = 0;          // of the primitive's mixture
+  Eigen::VectorXd whitened;   // latent, whitened by that component
+  Eigen::VectorXd latent;
+  double log_likelihood = 0;  // of this step given the one before
+};
+
+/// Draws a first step from the mixture prior of a primitive.
+WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng);
+
+/// Draws the step that follows over an edge: transition and prior together (METHODS section 3, see TransitionModel).
+WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng);
+
+/// Index drawn with chances proportional to `weights`; -1 when none is positive.
+int DrawIndex(const std::vector<double>& weights, std::mt19937_64& rng);
+
+}  // namespace morphograph

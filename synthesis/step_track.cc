@@ -1,0 +1,48 @@
+#include "synthesis/step_track.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "primitives/cubic_resample.h"
+#include "primitives/time_warp.h"
+
+namespace morphograph {
+namespace {
+
+constexpr double kCrossFade_s = 2.5 / 30;
+// Part of a step that its cross-fade may take: inside the margin of a quarter, with room for the increment to the next frame.
+constexpr double kLargestCrossFade = 0.2;
+
+}  // namespace
+
+double CrossFadeHalfWidth(double frames_before, double frames_after, double frame_rate_hz) {
+  return std::min(kCrossFade_s * frame_rate_hz, kLargestCrossFade * std::min(frames_before, frames_after));
+}
+
+StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
+                     int first_frame, int last_frame) {
+  static const UniformCubicSpline spline(kPhaseSamples);
+  const double step_frames = shape.duration_s * frame_rate_hz;
+  const TimeWarp warp = TimeWarp::FromLogSlopes(shape.log_slopes);
+  const int frames = last_frame - first_frame + 1;
+  Eigen::VectorXd positions(frames);
+  for (int i = 0; i < frames; ++i) {
+    const double source_phase = (first_frame + i - start) / step_frames;
+    positions[i] = (warp.Inverse(source_phase) + kPhaseMargin) / kPhaseSpacing;
+  }
+  StepTrack track;
+  track.start = start;
+  track.end = start + step_frames;
+  track.first_frame = first_frame;
+  track.poses.noalias() = shape.poses * spline.Weights(positions);
+  track.contacts.resize(4, frames);
+  for (int i = 0; i < frames; ++i) {
+    const double position = std::clamp(positions[i], 0.0, kPhaseSamples - 1.001);
+    const int sample = static_cast<int>(position);
+    const double t = position - sample;
+    track.contacts.col(i) = (1 - t) * primitive.contacts.col(sample) + t * primitive.contacts.col(sample + 1);
+  }
+  return track;
+}
+
+}  // namespace morphograph

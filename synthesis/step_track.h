@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "graph/motion_graph.h"
+
+namespace morphograph {
+
+/// A drawn step laid out on the clip's frames, its margins included. Times are in frames of the clip, fractional.
+struct StepTrack {
+  int primitive = 0;
+  double start = 0;       // time of the first key frame
+  double end = 0;         // time of the second
+  int first_frame = 0;    // of the columns below
+  Eigen::MatrixXd poses;      // (channels x frames), in the step's own frame
+  Eigen::Matrix4Xd contacts;  // chance that each part of the feet is planted (4 x frames)
+
+  int frames() const { return static_cast<int>(poses.cols()); }
+};
+
+/// Half width of the cross-fade between two steps, in frames: about 83 ms (METHODS section 3), less where steps are so short that
+/// their margins would not reach.
+double CrossFadeHalfWidth(double frames_before, double frames_after, double frame_rate_hz);
+
+/// Lays out a step that starts at time `start` at the clip's frames [first_frame, last_frame].
+/// Frames beyond the step's margins repeat the margin's last pose.
+StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
+                     int first_frame, int last_frame);
+
+}  // namespace morphograph
