@@ -6,7 +6,6 @@
 #include <set>
 
 #include "datasets/errors.h"
-#include "datasets/floor_leveling.h"
 #include "datasets/parallel_for.h"
 #include "datasets/resample.h"
 #include "datasets/retarget.h"
@@ -76,7 +75,6 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
     } else {
       if (clip.shared_skeleton() != skeleton) clip = Retarget(clip, skeleton);
       if (clip.frame_rate_hz() > kWorkRate_hz * 1.01) clip = Resample(clip, kWorkRate_hz);
-      clip = LevelFloor(clip);
       prepared[i].contacts = DetectContacts(clip);
       prepared[i].clip = std::move(clip);
       prepared[i].made = clips[i].made;

@@ -78,7 +78,7 @@ JoinedSteps JoinSteps(const MotionGraph& graph, const std::vector<StepTrack>& tr
   const PoseLayout& layout = graph.layout();
   const auto& joints = layout.active_joints();
   const auto means_of = [&](int k) -> const MeanRotations& {
-    return graph.styles()[graph.primitive(tracks[k].primitive).style_index].mean_rotations;
+    return graph.styles()[tracks[k].style].mean_rotations;
   };
   std::vector<RootTrack> roots;
   for (size_t k = 0; k < tracks.size(); ++k) {

@@ -31,6 +31,7 @@ StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, d
     positions[i] = (warp.Inverse(source_phase) + kPhaseMargin) / kPhaseSpacing;
   }
   StepTrack track;
+  track.style = primitive.style_index;
   track.start = start;
   track.end = start + step_frames;
   track.first_frame = first_frame;

@@ -8,7 +8,7 @@ namespace morphograph {
 
 /// A drawn step laid out on the clip's frames, its margins included. Times are in frames of the clip, fractional.
 struct StepTrack {
-  int primitive = 0;
+  int style = 0;          // of the graph's styles
   double start = 0;       // time of the first key frame
   double end = 0;         // time of the second
   int first_frame = 0;    // of the columns below
