@@ -31,6 +31,7 @@
 #include "synthesis/evaluation.h"
 #include "synthesis/pose_windows.h"
 #include "synthesis/set_quality.h"
+#include "synthesis/smoothness.h"
 #include "synthesis/style_classifier.h"
 #ifdef MORPHOGRAPH_HAS_SYNTHESIZER
 #include "graph/graph_summary.h"
@@ -154,25 +155,35 @@ MotionClip Noisy(MotionClip clip, double sigma_rad, std::mt19937_64& rng) {
   return clip;
 }
 
-// The captured clips against themselves, and controls. Shows that the measures do measure.
-void SelfCheck(const std::vector<MotionClip>& captured, const Set& all, const std::map<std::string, Set>& by_style,
-               const Options& options) {
-  std::mt19937_64 rng(options.seed);
-  std::vector<size_t> order(captured.size());
+void PrintHalves(const std::string& name, const std::vector<MotionClip>& clips, const Options& options,
+                 std::mt19937_64& rng) {
+  std::vector<size_t> order(clips.size());
   for (size_t i = 0; i < order.size(); ++i) order[i] = i;
   for (size_t i = order.size(); i > 1; --i) {
     std::swap(order[i - 1], order[boost::random::uniform_int_distribution<size_t>(0, i - 1)(rng)]);
   }
-  std::vector<MotionClip> halves[2], noisy;
-  for (size_t i = 0; i < order.size(); ++i) halves[i % 2].push_back(captured[order[i]]);
-  for (const MotionClip& clip : captured) noisy.push_back(Noisy(clip, 0.02, rng));
-  std::printf("\ncontrols, ratios to captured (a half against the other: all near 1, Frechet ratio 0.3 to 1)\n");
+  std::vector<MotionClip> halves[2];
+  for (size_t i = 0; i < order.size(); ++i) halves[i % 2].push_back(clips[order[i]]);
+  PrintAgainst(name, Prepare(halves[0], options), Prepare(halves[1], options), options.seed);
+}
+
+// The captured clips against themselves, and controls. Shows that the measures do measure.
+void SelfCheck(const std::vector<MotionClip>& captured, const Set& all, const std::map<std::string, Set>& by_style,
+               const Options& options) {
+  std::mt19937_64 rng(options.seed);
+  std::printf("\none random half of the captured clips / the other half\n");
   PrintHeader();
-  PrintAgainst("half / other half", Prepare(halves[0], options), Prepare(halves[1], options), options.seed);
-  PrintAgainst("noise of 0.02 rad", Prepare(noisy, options), all, options.seed);
-  if (by_style.size() > 1) {
-    const auto& [style, set] = *by_style.begin();
-    PrintAgainst("all styles / " + style, all, set, options.seed);
+  PrintHalves("all", captured, options, rng);
+  for (const auto& [style, set] : by_style) {
+    if (by_style.size() > 1) PrintHalves(style, set.clips, options, rng);
+  }
+  std::vector<MotionClip> noisy;
+  for (const MotionClip& clip : captured) noisy.push_back(Noisy(clip, 0.02, rng));
+  std::printf("\ncontrols that must be told from captured clips\n");
+  PrintHeader();
+  PrintAgainst("noise of 0.02 rad / all", Prepare(noisy, options), all, options.seed);
+  for (const auto& [style, set] : by_style) {
+    if (by_style.size() > 1) PrintAgainst("all styles / " + style, all, set, options.seed);
   }
 }
 
@@ -192,11 +203,16 @@ std::vector<MotionClip> Draw(const morphograph::MotionGraph& graph, const std::o
 }
 
 // Draws clips, writes and reads each as BVH, and counts what no body could do. False when any could not.
-bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::string>& styles, double captured_knee_deg,
-                 const Options& options) {
-  const double knee_limit = std::min(0.0, captured_knee_deg);
-  int not_finite = 0, knees = 0, bones = 0, floor = 0;
-  double lowest = 0, knee = 180, bone = 0;
+//
+// Limits come from the capture where a sound walk is not exactly zero: a knee may straighten as far as captured ones, and a foot
+// point may dip under the contact plane as deep as captured ones (a foot that rolls turns its ball joint below its standing height).
+// The floor itself is y = 0, where training puts it.
+bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::string>& styles,
+                 const morphograph::SetQuality& captured, const Options& options) {
+  const double knee_limit = std::min(0.0, captured.min_knee_flexion_deg) - 1;
+  const double plane_limit = std::min(0.0, captured.lowest_m) - 0.01;
+  int not_finite = 0, knees = 0, bones = 0, floor = 0, plane = 0;
+  double lowest_joint = 1, lowest = 0, knee = 180, bone = 0;
   for (int i = 0; i < options.sanity; ++i) {
     morphograph::SynthesisRequest request;
     request.seed = 100000 + static_cast<std::uint64_t>(i);
@@ -214,20 +230,51 @@ bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::s
     const std::string text = morphograph::WriteBvh(morphograph::ExportClip(drawn));
     // What a reader makes of the file, in place of what we meant. Leading frames are motion here, never a rest pose.
     const MotionClip clip = morphograph::ImportClip(morphograph::ParseBvh(text, "drawn.bvh"), {.drop_leading_rest = false});
-    const morphograph::BodyCheck body = morphograph::CheckBody(morphograph::PrepareEvaluation(clip));
-    knees += body.min_knee_flexion_deg < knee_limit - 1;
+    const morphograph::EvaluationMotion motion = morphograph::PrepareEvaluation(clip);
+    const morphograph::BodyCheck body = morphograph::CheckBody(motion);
+    double lowest_here = 1;
+    for (const Eigen::Matrix3Xd& positions : motion.joint_positions) {
+      for (int j = clip.skeleton().moving_root(); j < clip.joint_count(); ++j) {
+        lowest_here = std::min(lowest_here, positions(1, j));
+      }
+    }
+    for (int side = 0; side < 2; ++side) {
+      lowest_here = std::min(lowest_here, motion.contacts.heels[side].row(1).minCoeff());
+    }
+    knees += body.min_knee_flexion_deg < knee_limit;
     bones += body.bone_length_error_m > 1e-4;
-    floor += body.lowest_m < -0.01;
+    floor += lowest_here < -0.01;
+    plane += body.lowest_m < plane_limit;
+    lowest_joint = std::min(lowest_joint, lowest_here);
     lowest = std::min(lowest, body.lowest_m);
     knee = std::min(knee, body.min_knee_flexion_deg);
     bone = std::max(bone, body.bone_length_error_m);
   }
-  std::printf("\n%d clips of %.0f s written and read as BVH: %d not finite; %d with a knee bent back (least flexion %.1f deg, limit "
-              "%.1f = captured - 1); %d with bones that change (at most %.1e m); %d with a foot more than 1 cm under the contact plane "
-              "(lowest %.1f mm)\n",
-              options.sanity, options.duration_s, not_finite, knees, knee, knee_limit - 1, bones, bone, floor,
-              1000 * lowest);
-  return not_finite + knees + bones + floor == 0;
+  std::printf("\n%d clips of %.0f s written and read as BVH, clips at fault:\n", options.sanity, options.duration_s);
+  std::printf("  %4d not finite\n", not_finite);
+  std::printf("  %4d with a knee bent back (least flexion %.1f deg, limit %.1f: captured - 1)\n", knees, knee, knee_limit);
+  std::printf("  %4d with bones that change (at most %.1e m)\n", bones, bone);
+  std::printf("  %4d with a joint or heel more than 1 cm under the floor y = 0 (lowest %.1f mm)\n", floor, 1000 * lowest_joint);
+  std::printf("  %4d with a foot more than 1 cm deeper under the contact plane than captured (lowest %.1f mm, limit %.1f)\n", plane,
+              1000 * lowest, 1000 * plane_limit);
+  return not_finite + knees + bones + floor + plane == 0;
+}
+
+void TimeSampling(const morphograph::MotionGraph& graph, const Options& options) {
+  std::vector<double> motion, text;
+  for (int i = 0; i < 100; ++i) {
+    morphograph::SynthesisRequest request;
+    request.seed = static_cast<std::uint64_t>(i);
+    request.duration_s = options.duration_s;
+    const std::clock_t start = std::clock();
+    const morphograph::SynthesisResult result = morphograph::Synthesize(graph, request);
+    const std::clock_t drawn = std::clock();
+    const std::string bvh = morphograph::WriteBvh(morphograph::ExportClip(result.clip));
+    motion.push_back(1e3 * static_cast<double>(drawn - start) / CLOCKS_PER_SEC);
+    text.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
+  }
+  std::printf("a clip of %.0f s, processor time, median of 100: motion and report %.2f ms, with BVH text %.2f ms\n",
+              options.duration_s, morphograph::Percentile(motion, 0.5), morphograph::Percentile(text, 0.5));
 }
 
 bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, const Set& all_whole,
@@ -255,7 +302,8 @@ bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, cons
     PrintConfusion("asked style (rows) is given style (columns)",
                    ConfuseStyles(morphograph::StyleClassifier(Styled(captured)), Styled(drawn)));
   }
-  return SanityCheck(*graph, styles, all_whole.quality.min_knee_flexion_deg, options);
+  TimeSampling(*graph, options);
+  return SanityCheck(*graph, styles, all_whole.quality, options);
 }
 #endif
 
