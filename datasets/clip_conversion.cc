@@ -122,6 +122,33 @@ void CheckValues(const BvhDocument& document) {
   }
 }
 
+bool IsBelow(const BvhDocument& document, int joint, int ancestor) {
+  while (joint > ancestor) joint = document.nodes[joint].parent;
+  return joint == ancestor;
+}
+
+// A limb's joints hang below each other. Where names pretend otherwise, a role that was only guessed is taken back.
+void CheckLimbs(const BvhDocument& document, const std::map<std::string, std::string>& overrides, RoleMap* roles) {
+  constexpr std::pair<JointRole, JointRole> kLimbs[] = {
+      {JointRole::kHips, JointRole::kLeftHip},           {JointRole::kLeftHip, JointRole::kLeftKnee},
+      {JointRole::kLeftKnee, JointRole::kLeftAnkle},     {JointRole::kLeftAnkle, JointRole::kLeftToe},
+      {JointRole::kHips, JointRole::kRightHip},          {JointRole::kRightHip, JointRole::kRightKnee},
+      {JointRole::kRightKnee, JointRole::kRightAnkle},   {JointRole::kRightAnkle, JointRole::kRightToe},
+      {JointRole::kLeftShoulder, JointRole::kLeftElbow}, {JointRole::kLeftElbow, JointRole::kLeftWrist},
+      {JointRole::kRightShoulder, JointRole::kRightElbow}, {JointRole::kRightElbow, JointRole::kRightWrist}};
+  for (const auto& [upper, lower] : kLimbs) {
+    if (!roles->Has(upper) || !roles->Has(lower)) continue;
+    if ((*roles)[lower] != (*roles)[upper] && IsBelow(document, (*roles)[lower], (*roles)[upper])) continue;
+    if (overrides.contains(std::string(RoleName(lower)))) {
+      throw DatasetError(document.source, "role '" + std::string(RoleName(lower)) + "' is given to joint '" +
+                                              document.nodes[(*roles)[lower]].name + "', which is not below '" +
+                                              document.nodes[(*roles)[upper]].name + "' (" +
+                                              std::string(RoleName(upper)) + ")");
+    }
+    roles->Set(lower, -1);
+  }
+}
+
 RoleMap FindRoles(const BvhDocument& document, const std::map<std::string, std::string>& overrides) {
   std::vector<std::string> names;
   for (const BvhDocument::Node& node : document.nodes) names.push_back(node.name);
@@ -136,6 +163,7 @@ RoleMap FindRoles(const BvhDocument& document, const std::map<std::string, std::
     }
     roles.Set(*role, static_cast<int>(joint - names.begin()));
   }
+  CheckLimbs(document, overrides, &roles);
   return roles;
 }
 

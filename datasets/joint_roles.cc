@@ -1,7 +1,6 @@
 #include "datasets/joint_roles.h"
 
 #include <algorithm>
-#include <cctype>
 
 namespace morphograph {
 namespace {
@@ -12,40 +11,57 @@ constexpr std::array<std::string_view, kJointRoleCount> kRoleNames = {
     "right_knee", "right_ankle", "right_toe", "left_shoulder", "left_elbow",
     "left_wrist", "right_shoulder", "right_elbow", "right_wrist"};
 
-// Known names in normalised form, best first. Sided roles hold the left names only, `L` standing for the side.
+// Known names in normalised form, best first; `*` stands for the side, "l" or "r". Sided roles are listed for the left.
+// Order of the rows matters: a joint gets one role, so a lone "Chest" is the chest and not the spine. Rigs met here: CMU (ASF
+// and its BVH conversions), Mixamo, MotionBuilder, LAFAN1, 3ds Max biped, Unreal, Blender, Xsens, Rokoko, SMPL, Poser.
 struct RoleNames {
   JointRole role;
-  bool sided;
   std::vector<std::string_view> names;
 };
 
 const std::vector<RoleNames>& KnownNames() {
   static const std::vector<RoleNames> table = {
-      {JointRole::kHips, false, {"hips", "hip", "pelvis", "root"}},
-      {JointRole::kSpine, false, {"spine", "lowerback", "spine0", "chest", "torso", "abdomen"}},
-      {JointRole::kChest, false, {"chest4", "chest3", "spine3", "spine2", "chest2", "spine1", "chest", "thorax"}},
-      {JointRole::kNeck, false, {"neck", "neck1"}},
-      {JointRole::kHead, false, {"head"}},
-      {JointRole::kLeftHip, true, {"lupleg", "lhip", "upperlegl", "lthigh", "thighl", "lfemur", "lupperleg"}},
-      {JointRole::kLeftKnee, true, {"lknee", "lowerlegl", "lleg", "llowleg", "lshin", "shinl", "calfl", "lcalf", "ltibia", "llowerleg"}},
-      {JointRole::kLeftAnkle, true, {"lankle", "footl", "lfoot"}},
-      {JointRole::kLeftToe, true, {"ltoebase", "ltoe", "toesl", "toel", "ltoes", "lball", "balll"}},
-      {JointRole::kLeftShoulder, true, {"larm", "upperarml", "luparm", "lupperarm", "lhumerus", "lshoulder", "shoulderl"}},
-      {JointRole::kLeftElbow, true, {"lforearm", "lowerarml", "lelbow", "llowarm", "llowerarm", "forearml", "lradius"}},
-      {JointRole::kLeftWrist, true, {"lhand", "handl", "lwrist"}},
+      {JointRole::kHips, {"hips", "pelvis", "hip", "root"}},
+      {JointRole::kChest,
+       {"chest4", "chest3", "spine3", "spine03", "t8", "spine2", "spine02", "chest2", "upperchest", "spine1", "spine01",
+        "chest", "thorax", "upperback"}},
+      {JointRole::kSpine,
+       {"spine", "lowerback", "spine0", "spine1", "spine01", "l5", "l3", "chest", "torso", "abdomen"}},
+      {JointRole::kNeck, {"neck", "neck1", "neck01", "lowerneck"}},
+      {JointRole::kHead, {"head"}},
+      {JointRole::kLeftHip, {"*upleg", "upleg*", "*hip", "hip*", "*thigh", "thigh*", "*femur", "*upperleg", "upperleg*"}},
+      {JointRole::kLeftKnee,
+       {"*knee", "knee*", "*lowerleg", "lowerleg*", "*lowleg", "lowleg*", "*shin", "shin*", "*calf", "calf*", "*tibia", "*leg",
+        "leg*"}},
+      {JointRole::kLeftAnkle, {"*ankle", "ankle*", "*foot", "foot*"}},
+      {JointRole::kLeftToe,
+       {"*toebase", "toebase*", "*toe", "toe*", "*toes", "toes*", "*toe0", "*ball", "ball*", "*forefoot", "*foot"}},
+      {JointRole::kLeftShoulder,
+       {"*arm", "*upperarm", "upperarm*", "*uparm", "uparm*", "arm*", "*humerus", "*shoulder", "shoulder*", "*shldr"}},
+      {JointRole::kLeftElbow,
+       {"*forearm", "forearm*", "*elbow", "elbow*", "*lowerarm", "lowerarm*", "*lowarm", "lowarm*", "*radius"}},
+      {JointRole::kLeftWrist, {"*wrist", "wrist*", "*hand", "hand*"}},
   };
   return table;
 }
 
-// Lower case letters and digits only; "left"/"right" shortened to "l"/"r"; namespace prefixes dropped.
+// What rigs put before every name.
+constexpr std::string_view kRigPrefixes[] = {"mixamorig", "valvebiped", "ccbase", "bip"};
+
+// Lower case letters and digits only; "left"/"right" shortened to "l"/"r"; namespaces and rig prefixes dropped.
 std::string Normalised(std::string_view name) {
-  const size_t colon = name.rfind(':');
-  if (colon != std::string_view::npos) name.remove_prefix(colon + 1);
+  const size_t mark = name.find_last_of(":|");
+  if (mark != std::string_view::npos) name.remove_prefix(mark + 1);
   std::string text;
   for (const char c : name) {
-    if (std::isalnum(static_cast<unsigned char>(c))) {
-      text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-    }
+    const char lower = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    if ((lower >= 'a' && lower <= 'z') || (lower >= '0' && lower <= '9')) text += lower;
+  }
+  for (const std::string_view prefix : kRigPrefixes) {
+    if (!text.starts_with(prefix)) continue;
+    size_t end = prefix.size();
+    while (end < text.size() && text[end] >= '0' && text[end] <= '9') ++end;  // "mixamorig1", "bip001"
+    if (end < text.size()) text.erase(0, end);
   }
   for (const auto& [word, letter] : {std::pair<std::string_view, char>{"left", 'l'}, {"right", 'r'}}) {
     const size_t at = text.find(word);
@@ -54,23 +70,10 @@ std::string Normalised(std::string_view name) {
   return text;
 }
 
-std::string RightName(std::string_view left) {
-  std::string name(left);
-  if (name.front() == 'l' && name != "lowerlegl" && name != "lowerarml") {
-    name.front() = 'r';
-  } else {
-    name.back() = 'r';
-  }
-  return name;
-}
-
-int FirstMatch(const std::vector<std::string>& names, const std::vector<std::string>& wanted) {
-  for (const std::string& want : wanted) {
-    for (size_t joint = 0; joint < names.size(); ++joint) {
-      if (names[joint] == want) return static_cast<int>(joint);
-    }
-  }
-  return -1;
+std::string OnSide(std::string_view name, char side) {
+  std::string text(name);
+  std::replace(text.begin(), text.end(), '*', side);
+  return text;
 }
 
 }  // namespace
@@ -131,13 +134,21 @@ RoleMap DetectRoles(const std::vector<std::string>& joint_names) {
   std::vector<std::string> names;
   for (const std::string& name : joint_names) names.push_back(Normalised(name));
   RoleMap roles;
+  std::vector<char> taken(names.size(), 0);
+  const auto assign = [&](JointRole role, const std::vector<std::string_view>& wanted, char side) {
+    for (const std::string_view want : wanted) {
+      const std::string name = OnSide(want, side);
+      for (size_t joint = 0; joint < names.size(); ++joint) {
+        if (taken[joint] || names[joint] != name) continue;
+        roles.Set(role, static_cast<int>(joint));
+        taken[joint] = 1;
+        return;
+      }
+    }
+  };
   for (const RoleNames& entry : KnownNames()) {
-    std::vector<std::string> left(entry.names.begin(), entry.names.end());
-    roles.Set(entry.role, FirstMatch(names, left));
-    if (!entry.sided) continue;
-    std::vector<std::string> right;
-    for (const std::string& name : left) right.push_back(RightName(name));
-    roles.Set(MirroredRole(entry.role), FirstMatch(names, right));
+    assign(entry.role, entry.names, 'l');
+    if (MirroredRole(entry.role) != entry.role) assign(MirroredRole(entry.role), entry.names, 'r');
   }
   return roles;
 }

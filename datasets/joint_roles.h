@@ -63,8 +63,8 @@ const std::vector<JointRole>& EvaluationRoles();
 const std::vector<JointRole>& LocomotionRoles();
 
 /// Finds roles by a table of known names (case, spaces, `_`, `-`, and prefixes such as
-/// "mixamorig:" do not matter). Where two joints match a role, the first in hierarchy order
-/// wins among the names that rank highest in the table.
+/// "mixamorig:" or "Bip01 " do not matter). Where two joints match a role, the first in hierarchy order
+/// wins among the names that rank highest in the table; no joint gets two roles.
 RoleMap DetectRoles(const std::vector<std::string>& joint_names);
 
 }  // namespace morphograph
