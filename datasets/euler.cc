@@ -12,7 +12,10 @@ constexpr double kTwoPi = 2 * std::numbers::pi;
 // third one then costs less than 1e-5 degrees.
 constexpr double kGimbalCosine = 1e-7;
 
-double NearestTurn(double angle, double target) { return angle + kTwoPi * std::round((target - angle) / kTwoPi); }
+double NearestTurn(double angle, double target) {
+  const double gap = target - angle;
+  return std::abs(gap) <= kPi ? angle : angle + kTwoPi * std::round(gap / kTwoPi);
+}
 
 Eigen::Vector3d NearestTurns(const Eigen::Vector3d& angles, const Eigen::Vector3d& target) {
   return {NearestTurn(angles[0], target[0]), NearestTurn(angles[1], target[1]), NearestTurn(angles[2], target[2])};
@@ -25,7 +28,7 @@ Eigen::Vector3d EulerNear(const Eigen::Quaterniond& rotation, const EulerOrder& 
   const auto [i, j, k] = order;
   const double sign = (j - i + 3) % 3 == 1 ? 1 : -1;  // X Y Z and its cycles: +1
   const Eigen::Matrix3d r = rotation.toRotationMatrix();
-  const double cosine = std::hypot(r(i, i), r(i, j));
+  const double cosine = std::sqrt(r(i, i) * r(i, i) + r(i, j) * r(i, j));
   if (cosine < kGimbalCosine) {
     // With the third angle given, R R(third)^-1 = R(first) R(second) yields the other two.
     const Eigen::Matrix3d rest = r * Eigen::AngleAxisd(-previous[2], Eigen::Vector3d::Unit(k)).toRotationMatrix();
@@ -36,6 +39,8 @@ Eigen::Vector3d EulerNear(const Eigen::Quaterniond& rotation, const EulerOrder& 
   const Eigen::Vector3d angles(std::atan2(-sign * r(j, k), r(k, k)), std::atan2(sign * r(i, k), cosine),
                                std::atan2(-sign * r(i, j), r(i, i)));
   const Eigen::Vector3d one = NearestTurns(angles, previous);
+  // The other triple differs by half a turn in two angles, so it cannot be nearer than this.
+  if ((one - previous).squaredNorm() <= kPi * kPi / 2) return one;
   const Eigen::Vector3d other = NearestTurns({angles[0] + kPi, kPi - angles[1], angles[2] + kPi}, previous);
   return (one - previous).squaredNorm() <= (other - previous).squaredNorm() ? one : other;
 }
