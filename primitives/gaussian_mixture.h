@@ -56,7 +56,7 @@ struct GaussianMixtureOptions {
   double relative_floor = 1e-6;  // variance added everywhere, times the mean variance of the samples; > 0
   int restarts = 3;              // k-means++ starts for each number of components
   int max_iterations = 200;      // of EM, the best start's
-  double tolerance = 1e-7;       // stop when the objective gains less than this per sample
+  double tolerance = 1e-5;       // stop when the objective gains less than this per sample
   int bic_patience = 2;          // give up on larger K after so many without a better BIC
 };
 
@@ -91,7 +91,7 @@ struct GaussianMixtureSelection {
 /// log prior) never falls: covariance_k = (N_k S_k + n Psi + f I) / (N_k + n), with Psi the diagonal of the covariance within
 /// the starting clusters, n = s / (1 - s) * N / K and f the floor. With one component that is shrinkage to the diagonal.
 /// With s = 0 the prior is the floor alone. A component that loses all its samples starts again at the sample that the
-/// mixture explains worst. Of all starts the best after ten iterations is carried to the end.
+/// mixture explains worst. Of all starts the best after five iterations is carried to the end.
 ///
 /// @param samples  (D x N), N >= 1, finite. Fewer components come back where the samples have fewer distinct values.
 GaussianMixtureFit FitGaussianMixture(const Eigen::MatrixXd& samples, int components, CovarianceForm form,

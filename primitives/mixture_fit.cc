@@ -14,7 +14,7 @@
 namespace morphograph {
 namespace {
 
-constexpr int kTrialIterations = 10;   // of every start, before the best is carried on
+constexpr int kTrialIterations = 5;   // of every start, before the best is carried on
 constexpr int kMeansIterations = 10;   // Lloyd's, to settle a start
 constexpr double kEmptySamples = 0.5;  // a component with less than half a sample has lost them all
 

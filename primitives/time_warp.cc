@@ -270,7 +270,7 @@ TimeWarp TimeWarp::Fit(const WarpPath& path, int reference_frames, int test_fram
         better = true;
       }
     }
-    if (!better || length < 1e-9) break;
+    if (!better || length < 1e-6) break;  // of log slope: far below what a frame can tell
   }
   return TimeWarp(log_slopes);
 }

@@ -32,16 +32,18 @@ void Check(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, const
   if (const std::string text = problem.str(); !text.empty()) throw std::invalid_argument("WeightedPca: " + text);
 }
 
-// X = U diag(s) V^T with U (rows x r), V (columns x r), r = min(rows, columns).
-struct ThinSvd {
+// Leading part of X = U diag(s) V^T, U (rows x kept), V (columns x kept), and all singular values.
+struct LeadingSvd {
   Eigen::MatrixXd u, v;
   Eigen::VectorXd s;
 };
 
-// Householder QR of the longer side first, so that the iterations run on a square of the shorter one.
-ThinSvd Decompose(const Eigen::MatrixXd& x) {
+// Householder QR of the longer side first, so that the iterations run on a square of the shorter one, and back through
+// it with the kept axes alone. `count_kept` tells from the singular values how many those are.
+template <typename CountKept>
+LeadingSvd Decompose(const Eigen::MatrixXd& x, const CountKept& count_kept) {
   if (x.rows() < x.cols()) {
-    ThinSvd turned = Decompose(x.transpose());
+    LeadingSvd turned = Decompose(x.transpose(), count_kept);
     turned.u.swap(turned.v);
     return turned;
   }
@@ -50,10 +52,11 @@ ThinSvd Decompose(const Eigen::MatrixXd& x) {
   const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
   const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
   if (svd.info() != Eigen::Success) throw std::runtime_error("WeightedPca: the singular value decomposition failed");
-  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(x.rows(), n);
-  u.topRows(n) = svd.matrixU();
+  const Eigen::Index kept = count_kept(svd.singularValues());
+  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(x.rows(), kept);
+  u.topRows(n) = svd.matrixU().leftCols(kept);
   u.applyOnTheLeft(qr.householderQ());
-  return {std::move(u), svd.matrixV(), svd.singularValues()};
+  return {std::move(u), svd.matrixV().leftCols(kept), svd.singularValues()};
 }
 
 void CheckSize(Eigen::Index actual, Eigen::Index expected, const char* what) {
@@ -72,22 +75,30 @@ WeightedPca FitWeightedPca(const Eigen::MatrixXd& samples, const Eigen::VectorXd
   out.mean = samples.rowwise().mean();
   const Eigen::MatrixXd centred = samples.colwise() - out.mean;
   const Eigen::VectorXd root_weights = weights.cwiseSqrt();
-  ThinSvd svd = Decompose(root_weights.asDiagonal() * centred);  // Eq. 3.26, transposed: samples are columns
-
   // What rounding of the data leaves behind is no variance: neither relative to the largest singular value nor to the
   // size of the samples before the mean was taken out.
   const double rounding = static_cast<double>(std::max(samples.rows(), samples.cols())) * std::numeric_limits<double>::epsilon();
   const double magnitude = (root_weights.asDiagonal() * samples).norm();
-  const double threshold = rounding * std::max(svd.s.size() > 0 ? svd.s[0] : 0.0, magnitude);
-  const Eigen::VectorXd variances = svd.s.array().square() / count;
-  const double total = variances.sum();
-  Eigen::Index kept = 0;
-  double sum = 0;
-  while (kept < variances.size() && kept < options.max_components && svd.s[kept] > threshold && sum < options.variance_kept * total)
-    sum += variances[kept++];
+  double threshold = 0, total = 0, sum = 0;
+  const auto count_kept = [&](const Eigen::VectorXd& singular_values) {
+    threshold = rounding * std::max(singular_values.size() > 0 ? singular_values[0] : 0.0, magnitude);
+    total = singular_values.squaredNorm() / count;
+    Eigen::Index kept = 0;
+    while (kept < singular_values.size() && kept < options.max_components && singular_values[kept] > threshold &&
+           sum < options.variance_kept * total) {
+      sum += singular_values[kept] * singular_values[kept] / count;
+      ++kept;
+    }
+    return kept;
+  };
+  const Eigen::MatrixXd weighted = root_weights.asDiagonal() * centred;
+  LeadingSvd svd = Decompose(weighted, count_kept);  // Eq. 3.26, transposed: samples are columns
+  const Eigen::Index kept = svd.u.cols();
 
-  out.variances = variances.head(kept);
-  out.variance_kept = kept > 0 ? std::min(1.0, sum / total) : (total <= threshold * threshold / count * variances.size() ? 1.0 : 0.0);
+  out.variances = svd.s.head(kept).array().square() / count;
+  // Nothing kept is everything where there was nothing but rounding to keep.
+  const double rounding_total = threshold * threshold / count * static_cast<double>(svd.s.size());
+  out.variance_kept = kept > 0 ? std::min(1.0, sum / total) : (total <= rounding_total ? 1.0 : 0.0);
   out.basis.resize(samples.rows(), kept);
   for (Eigen::Index k = 0; k < kept; ++k) {
     Eigen::Index largest = 0;
@@ -99,9 +110,9 @@ WeightedPca FitWeightedPca(const Eigen::MatrixXd& samples, const Eigen::VectorXd
   }
   for (Eigen::Index i = 0; i < samples.rows(); ++i) {
     if (weights[i] > 0) {
-      out.basis.row(i) = svd.u.row(i).head(kept) / root_weights[i];  // B = W^(-1/2) V, Eq. 3.28
+      out.basis.row(i) = svd.u.row(i) / root_weights[i];  // B = W^(-1/2) V, Eq. 3.28
     } else {  // the same by regression, X A M^(-1), which needs no division by the weight
-      out.basis.row(i) = (centred.row(i) * svd.v.leftCols(kept)).array() / svd.s.head(kept).transpose().array();
+      out.basis.row(i) = (centred.row(i) * svd.v).array() / svd.s.head(kept).transpose().array();
     }
   }
   return out;
