@@ -1,0 +1,103 @@
+#include "api/clip_response.h"
+
+#include <cmath>
+#include <random>
+
+#include "api/content_hash.h"
+#include "datasets/bvh_writer.h"
+#include "datasets/clip_conversion.h"
+
+namespace morphograph {
+namespace {
+
+using nlohmann::ordered_json;
+
+// Shorter numbers: dividing by a whole number gives the double nearest to the decimal ("0.04"); + 0.0 turns -0 into 0.
+double Decimals5(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
+
+ordered_json Point(const Eigen::Vector2d& position_m) {
+  return ordered_json::array({Decimals5(position_m.x()), Decimals5(position_m.y())});
+}
+
+}  // namespace
+
+std::string ClipId(const std::string& model_hash, const ClipRequest& request) {
+  ClipRequest named_by_content = request;
+  named_by_content.model = model_hash;
+  return ContentHash("morphograph " MORPHOGRAPH_VERSION "\n" + CanonicalJson(named_by_content));
+}
+
+std::string ClipBvh(const MotionClip& clip, const OutputFormat& output) {
+  ClipExportOptions options;
+  options.source_channels = output.channels == OutputChannels::kSource;
+  if (output.unit == OutputUnit::kMetre) options.metres_per_unit = 1.0;
+  if (output.unit == OutputUnit::kCentimetre) options.metres_per_unit = 0.01;
+  return WriteBvh(ExportClip(clip, options));
+}
+
+ordered_json QualityJson(const ClipQuality& quality) {
+  ordered_json json = {{"contact_distance", quality.contact_distance_m},
+                       {"foot_skate_cm_s", quality.foot_skate_cm_s},
+                       {"penetration", quality.penetration_m},
+                       {"naturalness", quality.naturalness}};
+  if (quality.log_likelihood) json["log_likelihood"] = *quality.log_likelihood;
+  return json;
+}
+
+ordered_json ContactsJson(const std::vector<PlantedFoot>& contacts) {
+  ordered_json json = ordered_json::array();
+  for (const PlantedFoot& contact : contacts) {
+    json.push_back({{"foot", FootName(contact.interval.foot)},
+                    {"from", contact.interval.first},
+                    {"to", contact.interval.last},
+                    {"position", Point(contact.position_m)}});
+  }
+  return json;
+}
+
+std::string ReportJson(const SynthesisReport& report) {
+  ordered_json json = {{"seed", report.seed},
+                       {"model", {{"name", report.model_name}, {"hash", report.model_hash}}},
+                       {"style", report.style},
+                       {"duration", report.duration_s},
+                       {"frames", report.frames}};
+  auto& steps = json["steps"] = ordered_json::array();
+  for (const StepReport& step : report.steps) {
+    steps.push_back({{"primitive", step.primitive},
+                     {"from", step.from},
+                     {"to", step.to},
+                     {"log_likelihood", Decimals5(step.log_likelihood)}});
+  }
+  json["contacts"] = ContactsJson(report.contacts);
+  auto& path = json["path"] = ordered_json::array();
+  for (const Eigen::Vector2d& point : report.path_m) path.push_back(Point(point));
+  json["constraints"] = ordered_json::array();
+  json["quality"] = QualityJson(report.quality);
+  return json.dump();
+}
+
+std::string ClipJson(const std::string& bvh, const std::string& report_json) {
+  std::string json = "{\"bvh\":";
+  json += nlohmann::json(bvh).dump();
+  json += ",\"report\":";
+  json += report_json;
+  json += '}';
+  return json;
+}
+
+std::uint64_t DrawSeed() {
+  std::random_device entropy;
+  // 53 bits: clients whose numbers are doubles (a browser's JSON) can hold the seed that they are told.
+  return ((std::uint64_t{entropy()} << 32) | entropy()) >> 11;
+}
+
+std::string ClipFileName(const std::string& model_name, std::uint64_t seed, const std::string& extension) {
+  std::string name;
+  for (const char c : model_name.substr(0, 64)) {
+    const bool plain = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+    name += plain ? c : '_';
+  }
+  return name + "-" + std::to_string(seed) + extension;
+}
+
+}  // namespace morphograph

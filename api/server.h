@@ -1,0 +1,57 @@
+#pragma once
+
+#include <chrono>
+#include <cstddef>
+#include <memory>
+#include <string>
+
+#include "api/metrics.h"
+#include "api/router.h"
+
+namespace morphograph {
+
+/// Bounds of a server; whatever a client does, memory and time stay inside them.
+struct ServerOptions {
+  std::string host = "127.0.0.1";
+  int port = 8080;  // 0: any free one
+  int threads = 0;  // workers that carry out requests; 0: one a core
+  int max_connections = 256;                       // beyond: 503
+  int max_queued = 64;                             // requests waiting for a worker; beyond: 503
+  std::size_t max_body_bytes = std::size_t{512} << 20;  // of all large bodies held at a time; beyond: 503
+  std::chrono::seconds head_timeout{15};   // for the next request's line and headers, idle time included
+  std::chrono::seconds body_timeout{20};   // plus one second for each MiB announced
+  std::chrono::seconds write_timeout{60};
+  std::chrono::seconds queue_timeout{10};  // a request that waited longer is answered 503
+  std::chrono::seconds stop_timeout{10};   // for requests under way when the server is told to stop
+};
+
+/// HTTP/1.1 server.
+///
+/// One thread does all input and output, asynchronously, so that slow clients cost a few kilobytes and no thread;
+/// `threads` workers run the handlers. Refused before any body is read: chunked bodies (411), bodies above the
+/// route's limit (413), bodies where none is taken, repeated lengths, coded bodies, unknown routes.
+class Server {
+ public:
+  /// @param router, metrics  must outlive the server.
+  Server(const Router& router, Metrics* metrics, ServerOptions options);
+  ~Server();
+
+  /// Starts to listen. @return the port. @throws std::runtime_error naming host, port and the system's reason.
+  int Bind();
+
+  /// Serves until Stop(). Requests under way are finished, then it returns.
+  void Run();
+
+  /// Asks Run() to return. From any thread, also before Run().
+  void Stop();
+
+  /// Lets SIGINT and SIGTERM call Stop().
+  void StopOnSignals();
+
+ private:
+  struct State;
+  class Session;
+  std::unique_ptr<State> state_;
+};
+
+}  // namespace morphograph

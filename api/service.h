@@ -1,0 +1,22 @@
+#pragma once
+
+#include <atomic>
+
+#include "api/clip_store.h"
+#include "api/metrics.h"
+#include "api/model_registry.h"
+
+namespace morphograph {
+
+class TrainingService;
+
+/// What the routes of one server work on. Outlives the router.
+struct Service {
+  ModelRegistry models;
+  ClipStore clips;
+  Metrics metrics;
+  std::atomic<bool> ready{false};       // models are loaded and the server is not stopping
+  TrainingService* training = nullptr;  // where models can be trained over HTTP
+};
+
+}  // namespace morphograph
