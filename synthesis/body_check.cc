@@ -45,8 +45,8 @@ BodyCheck CheckBody(const EvaluationMotion& motion) {
     for (int side = 0; side < 2; ++side) {
       const Leg& leg = kLegs[side];
       const Eigen::Vector3d ankle = positions.col(roles[leg.ankle]);
-      const double flexion = KneeFlexionDeg(positions.col(roles[leg.hip]), positions.col(roles[leg.knee]), ankle,
-                                            positions.col(roles[leg.ball]), pelvis_left);
+      const double flexion = KneeFlexionDeg(positions.col(roles[leg.hip]), positions.col(roles[leg.knee]),
+                                            ankle, positions.col(roles[leg.ball]), pelvis_left);
       check.min_knee_flexion_deg = std::min(check.min_knee_flexion_deg, flexion);
       check.max_knee_flexion_deg = std::max(check.max_knee_flexion_deg, flexion);
       check.lowest_m = std::min({check.lowest_m, above(ankle), above(motion.contacts.heels[side].col(f)),
@@ -55,7 +55,8 @@ BodyCheck CheckBody(const EvaluationMotion& motion) {
     for (int j = 0; j < skeleton.joint_count(); ++j) {
       if (!skeleton.IsBody(j) || j == skeleton.moving_root()) continue;
       const double length = (positions.col(j) - positions.col(skeleton.parent(j))).norm();
-      check.bone_length_error_m = std::max(check.bone_length_error_m, std::abs(length - skeleton.joint(j).offset_m.norm()));
+      check.bone_length_error_m =
+          std::max(check.bone_length_error_m, std::abs(length - skeleton.joint(j).offset_m.norm()));
     }
   }
   return check;

@@ -11,10 +11,12 @@ constexpr double kSkateHeight_m = 0.025;  // height at which a ball no longer co
 
 }  // namespace
 
-ContactQuality MeasureContacts(const ContactTrack& contacts, const GroundPlane& ground, double frame_rate_hz) {
+ContactQuality MeasureContacts(const ContactTrack& contacts, const GroundPlane& ground,
+                               double frame_rate_hz) {
   const int frames = static_cast<int>(contacts.balls[0].cols());
   if (frames < 2) {
-    throw std::invalid_argument("MeasureContacts: at least 2 frames are needed, not " + std::to_string(frames));
+    throw std::invalid_argument("MeasureContacts: at least 2 frames are needed, not " +
+                                std::to_string(frames));
   }
   ContactQuality quality;
   quality.distance_m = Eigen::VectorXd::Zero(frames);
@@ -43,7 +45,8 @@ ContactQuality MeasureContacts(const ContactTrack& contacts, const GroundPlane& 
   for (int f = 0; f < frames; ++f) {
     if (planted[f] > 1) quality.distance_m[f] /= planted[f];
   }
-  if (quality.planted_foot_frames > 0) quality.contact_distance_m = distance_sum / quality.planted_foot_frames;
+  if (quality.planted_foot_frames > 0)
+    quality.contact_distance_m = distance_sum / quality.planted_foot_frames;
 
   double skate_sum = 0;
   for (int side = 0; side < 2; ++side) {

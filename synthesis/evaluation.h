@@ -18,13 +18,15 @@ struct ClipEvaluation {
   std::vector<double> frame_difference;    // D(F_i, F_i+1), frames - 1 values (Du Fig. 4.18)
 };
 
-/// Evaluates any clip with leg roles, synthesised or captured, by the same measures (METHODS section 6): the ground and the
-/// contacts are found from the clip itself.
-/// @throws std::invalid_argument when leg roles are missing, there are fewer than 2 frames, or a joint is not finite.
+/// Evaluates any clip with leg roles, synthesised or captured, by the same measures (METHODS section 6): the
+/// ground and the contacts are found from the clip itself.
+/// @throws std::invalid_argument when leg roles are missing, there are fewer than 2 frames, or a joint is not
+/// finite.
 ClipEvaluation EvaluateClip(const MotionClip& clip);
 
-/// The same for a clip at 30 fps whose joint positions and contacts are known already, so that nothing is worked out twice.
-/// To compare fairly, `motion.contacts` must come from DetectContacts, not from the labels of a model.
+/// The same for a clip at 30 fps whose joint positions and contacts are known already, so that nothing is
+/// worked out twice. To compare fairly, `motion.contacts` must come from DetectContacts, not from the labels
+/// of a model.
 ClipEvaluation EvaluateMotion(const EvaluationMotion& motion);
 
 /// Where each planted foot stood. Intervals must lie within the track's frames.
@@ -32,24 +34,27 @@ std::vector<PlantedFoot> PlantedFeet(const ContactTrack& contacts);
 
 /// How a set of clips compares with a reference set (METHODS section 6).
 struct SetComparison {
-  double frechet = 0;            // set against reference
-  double frechet_halves = 0;     // reference against itself: mean over random halves
-  double frechet_ratio = 0;      // frechet / frechet_halves
-  /// Mean squared distance of a window from the reference's 32 leading directions, set / reference. The Fréchet distance
-  /// is blind to what leaves those directions (a pose that the reference never varies, noise); this is not.
+  double frechet = 0;         // set against reference
+  double frechet_halves = 0;  // reference against itself: mean over random halves
+  double frechet_ratio = 0;   // frechet / frechet_halves
+  /// Mean squared distance of a window from the reference's 32 leading directions, set / reference. The
+  /// Fréchet distance is blind to what leaves those directions (a pose that the reference never varies,
+  /// noise); this is not.
   double residual_ratio = 0;
-  double diversity = 0;          // mean pairwise window distance inside the set
+  double diversity = 0;  // mean pairwise window distance inside the set
   double diversity_reference = 0;
   int windows = 0;
   int windows_reference = 0;
 };
 
-/// Fréchet distance and diversity in the WindowSpace of the reference; halves are halves of its clips, drawn 20 times.
-/// @throws std::invalid_argument when either set yields fewer than 64 windows, the reference fewer than four clips with
-/// any, or evaluation roles are missing.
+/// Fréchet distance and diversity in the WindowSpace of the reference; halves are halves of its clips, drawn
+/// 20 times.
+/// @throws std::invalid_argument when either set yields fewer than 64 windows, the reference fewer than four
+/// clips with any, or evaluation roles are missing.
 SetComparison CompareSets(const std::vector<MotionClip>& clips, const std::vector<MotionClip>& reference,
                           std::uint64_t seed = 1);
-/// The same on pose windows (synthesis/pose_windows.h), a matrix a clip, for those who compare one set many times.
+/// The same on pose windows (synthesis/pose_windows.h), a matrix a clip, for those who compare one set many
+/// times.
 SetComparison CompareWindowSets(const std::vector<Eigen::MatrixXd>& clips,
                                 const std::vector<Eigen::MatrixXd>& reference, std::uint64_t seed = 1);
 

@@ -28,7 +28,8 @@ EvaluationMotion PrepareEvaluation(const MotionClip& clip) {
   motion.joint_positions = JointPositions(clip);
   for (int f = 0; f < motion.frame_count(); ++f) {
     if (motion.joint_positions[static_cast<size_t>(f)].allFinite()) continue;
-    throw std::invalid_argument("PrepareEvaluation: frame " + std::to_string(f) + " of '" + clip.name + "' is not finite");
+    throw std::invalid_argument("PrepareEvaluation: frame " + std::to_string(f) + " of '" + clip.name +
+                                "' is not finite");
   }
   motion.contacts = DetectContacts(clip);
   motion.ground = FitGroundPlane(motion.contacts, kEvaluationRateHz);

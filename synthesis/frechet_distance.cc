@@ -10,7 +10,8 @@ namespace {
 
 Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> Decompose(const Eigen::MatrixXd& symmetric) {
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("FrechetDistance: eigen-decomposition failed");
+  if (solver.info() != Eigen::Success)
+    throw std::runtime_error("FrechetDistance: eigen-decomposition failed");
   return solver;
 }
 
@@ -18,7 +19,8 @@ Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> Decompose(const Eigen::MatrixXd& 
 
 GaussianFit FitGaussian(const Eigen::MatrixXd& samples) {
   if (samples.cols() < 2) {
-    throw std::invalid_argument("FitGaussian: at least 2 samples are needed, not " + std::to_string(samples.cols()));
+    throw std::invalid_argument("FitGaussian: at least 2 samples are needed, not " +
+                                std::to_string(samples.cols()));
   }
   if (!samples.allFinite()) throw std::invalid_argument("FitGaussian: a sample is not finite");
   GaussianFit fit;
@@ -30,8 +32,8 @@ GaussianFit FitGaussian(const Eigen::MatrixXd& samples) {
 
 double FrechetDistance(const GaussianFit& a, const GaussianFit& b) {
   if (a.mean.size() != b.mean.size() || a.covariance.rows() != b.covariance.rows()) {
-    throw std::invalid_argument("FrechetDistance: dimensions differ, " + std::to_string(a.mean.size()) + " and " +
-                                std::to_string(b.mean.size()));
+    throw std::invalid_argument("FrechetDistance: dimensions differ, " + std::to_string(a.mean.size()) +
+                                " and " + std::to_string(b.mean.size()));
   }
   const auto of_a = Decompose(a.covariance);
   // Rounding can leave eigenvalues of a singular covariance slightly below zero.

@@ -21,7 +21,8 @@ double Quantile(std::vector<double>* values, double q) {
   return (*values)[at];
 }
 
-// The smaller of backward and forward difference, as in contact detection: a frame next to a still one is still.
+// The smaller of backward and forward difference, as in contact detection: a frame next to a still one is
+// still.
 bool IsStill(const Eigen::Matrix3Xd& path, int frame, double frame_rate_hz) {
   const double limit = kStillSpeed_m_s / frame_rate_hz;
   const auto step_is_short = [&](int from) {
@@ -80,8 +81,8 @@ GroundPlane FitGroundPlane(const ContactTrack& contacts, double frame_rate_hz) {
     }
     fit = normal.ldlt().solve(right);
     for (size_t i = 0; i < points.size(); ++i) {
-      const double residual = std::abs(
-          points[i].y() - fit.dot(Eigen::Vector3d(1, points[i].x() - centre.x(), points[i].z() - centre.z())));
+      const double residual = std::abs(points[i].y() - fit.dot(Eigen::Vector3d(1, points[i].x() - centre.x(),
+                                                                               points[i].z() - centre.z())));
       weights[i] = residual <= kStanceSigma_m ? 1.0 : kStanceSigma_m / residual;
     }
   }

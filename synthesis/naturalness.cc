@@ -7,7 +7,8 @@
 
 namespace morphograph {
 
-std::vector<double> FrameDifferences(const Skeleton& skeleton, const std::vector<Eigen::Matrix3Xd>& joint_positions) {
+std::vector<double> FrameDifferences(const Skeleton& skeleton,
+                                     const std::vector<Eigen::Matrix3Xd>& joint_positions) {
   if (joint_positions.size() < 2) {
     throw std::invalid_argument("FrameDifferences: at least 2 frames are needed, not " +
                                 std::to_string(joint_positions.size()));
@@ -21,7 +22,8 @@ std::vector<double> FrameDifferences(const Skeleton& skeleton, const std::vector
 }
 
 double NaturalnessVariance(const std::vector<double>& frame_differences) {
-  if (frame_differences.empty()) throw std::invalid_argument("NaturalnessVariance: no frame difference given");
+  if (frame_differences.empty())
+    throw std::invalid_argument("NaturalnessVariance: no frame difference given");
   const Eigen::Map<const Eigen::ArrayXd> values(frame_differences.data(),
                                                 static_cast<Eigen::Index>(frame_differences.size()));
   return (values - values.mean()).square().mean();

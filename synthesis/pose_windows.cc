@@ -38,7 +38,8 @@ Eigen::MatrixXd PoseFeatures(const EvaluationMotion& motion) {
     const int before = std::max(f - 1, 0), after = std::min(f + 1, frames - 1);
     const Eigen::Vector3d moved = motion.joint_positions[static_cast<size_t>(after)].col(hips) -
                                   motion.joint_positions[static_cast<size_t>(before)].col(hips);
-    const Eigen::Vector2d velocity = Eigen::Vector2d(moved.x(), moved.z()) * kEvaluationRateHz / (after - before);
+    const Eigen::Vector2d velocity =
+        Eigen::Vector2d(moved.x(), moved.z()) * kEvaluationRateHz / (after - before);
     features(3 * joints, f) = velocity.dot(leftward);
     features(3 * joints + 1, f) = velocity.dot(forward);
   }

@@ -14,8 +14,8 @@
 namespace morphograph {
 namespace {
 
-constexpr int kMinWindows = 64;       // two per direction
-constexpr int kHalvings = 20;         // random halves of the reference that are averaged
+constexpr int kMinWindows = 64;  // two per direction
+constexpr int kHalvings = 20;    // random halves of the reference that are averaged
 constexpr int kDiversityPairs = 20000;
 
 using Windows = std::vector<Eigen::MatrixXd>;  // a matrix a clip
@@ -64,14 +64,16 @@ SetComparison CompareWindowSets(const Windows& clips, const Windows& reference, 
   for (const int count : {comparison.windows, comparison.windows_reference}) {
     if (count < kMinWindows) {
       throw std::invalid_argument("CompareSets: " + std::to_string(kMinWindows) +
-                                  " windows are needed in both sets, not " + std::to_string(count) + " (a window is 0.5 s)");
+                                  " windows are needed in both sets, not " + std::to_string(count) +
+                                  " (a window is 0.5 s)");
     }
   }
   Windows filled;  // clips shorter than a window have none and cannot be dealt into halves
   for (const Eigen::MatrixXd& clip : reference) {
     if (clip.cols() > 0) filled.push_back(clip);
   }
-  if (filled.size() < 4) throw std::invalid_argument("CompareSets: the reference needs four clips or more to be halved");
+  if (filled.size() < 4)
+    throw std::invalid_argument("CompareSets: the reference needs four clips or more to be halved");
 
   const WindowSpace space(JoinColumns(filled));
   Windows projected;

@@ -56,7 +56,8 @@ SetQuality MeasureSet(const std::vector<MotionClip>& clips, const SetQualityOpti
       set.max_knee_flexion_deg = std::max(set.max_knee_flexion_deg, body.max_knee_flexion_deg);
       set.lowest_m = std::min(set.lowest_m, body.lowest_m);
       set.bone_length_error_m = std::max(set.bone_length_error_m, body.bone_length_error_m);
-      const std::vector<double> more = JointAccelerations(*motion.skeleton, motion.joint_positions, kEvaluationRateHz);
+      const std::vector<double> more =
+          JointAccelerations(*motion.skeleton, motion.joint_positions, kEvaluationRateHz);
       accelerations.insert(accelerations.end(), more.begin(), more.end());
       for (const double jerk : JointJerks(*motion.skeleton, motion.joint_positions, kEvaluationRateHz)) {
         jerk_sum += jerk;

@@ -6,11 +6,12 @@
 
 namespace morphograph {
 
-/// Measures of a set of clips that need no reference. Ratios of two sets of these are what the published tables give.
+/// Measures of a set of clips that need no reference. Ratios of two sets of these are what the published
+/// tables give.
 struct SetQuality {
   int clips = 0;
-  int pieces = 0;       // that were measured
-  double seconds = 0;   // in all of them
+  int pieces = 0;      // that were measured
+  double seconds = 0;  // in all of them
   // Means over pieces; contact distance over planted foot-frames.
   double contact_distance_m = 0;
   double foot_skate_cm_s = 0;
@@ -27,8 +28,9 @@ struct SetQuality {
 };
 
 struct SetQualityOptions {
-  /// Clips are cut into pieces of this many frames at 30 fps and the rest is left out, so that sets of short and of long
-  /// clips compare: a plane fits few stances better than many, and a long clip varies more. 0 measures whole clips.
+  /// Clips are cut into pieces of this many frames at 30 fps and the rest is left out, so that sets of short
+  /// and of long clips compare: a plane fits few stances better than many, and a long clip varies more. 0
+  /// measures whole clips.
   int piece_frames = 90;
 };
 

@@ -17,7 +17,8 @@ std::vector<int> RoleJoints(const Skeleton& skeleton) {
 
 }  // namespace
 
-std::vector<double> JointAccelerations(const Skeleton& skeleton, const std::vector<Eigen::Matrix3Xd>& joint_positions,
+std::vector<double> JointAccelerations(const Skeleton& skeleton,
+                                       const std::vector<Eigen::Matrix3Xd>& joint_positions,
                                        double frame_rate_hz) {
   const double scale = frame_rate_hz * frame_rate_hz;
   const std::vector<int> joints = RoleJoints(skeleton);
@@ -25,7 +26,8 @@ std::vector<double> JointAccelerations(const Skeleton& skeleton, const std::vect
   for (size_t f = 2; f < joint_positions.size(); ++f) {
     for (const int j : joints) {
       norms.push_back(scale * (joint_positions[f].col(j) - 2 * joint_positions[f - 1].col(j) +
-                               joint_positions[f - 2].col(j)).norm());
+                               joint_positions[f - 2].col(j))
+                                  .norm());
     }
   }
   return norms;
@@ -39,7 +41,8 @@ std::vector<double> JointJerks(const Skeleton& skeleton, const std::vector<Eigen
   for (size_t f = 3; f < joint_positions.size(); ++f) {
     for (const int j : joints) {
       norms.push_back(scale * (joint_positions[f].col(j) - 3 * joint_positions[f - 1].col(j) +
-                               3 * joint_positions[f - 2].col(j) - joint_positions[f - 3].col(j)).norm());
+                               3 * joint_positions[f - 2].col(j) - joint_positions[f - 3].col(j))
+                                  .norm());
     }
   }
   return norms;
@@ -53,7 +56,8 @@ double Percentile(std::vector<double> values, double q) {
   std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(below), values.end());
   const double low = values[below];
   if (below + 1 == values.size()) return low;
-  const double high = *std::min_element(values.begin() + static_cast<std::ptrdiff_t>(below) + 1, values.end());
+  const double high =
+      *std::min_element(values.begin() + static_cast<std::ptrdiff_t>(below) + 1, values.end());
   return low + (place - static_cast<double>(below)) * (high - low);
 }
 

@@ -38,33 +38,39 @@ int IndexOf(const std::vector<std::string>& styles, const std::string& style) {
 
 }  // namespace
 
-StyleClassifier::StyleClassifier(const std::vector<StyledWindows>& captured, const StyleClassifierOptions& options)
+StyleClassifier::StyleClassifier(const std::vector<StyledWindows>& captured,
+                                 const StyleClassifierOptions& options)
     : space_(SpaceOf(captured)) {
   if (!(options.shrinkage >= 0 && options.shrinkage <= 1)) {
     throw std::invalid_argument("StyleClassifier: shrinkage must lie in [0, 1]");
   }
   std::map<std::string, std::vector<Eigen::VectorXd>> features;
-  for (const StyledWindows& clip : captured) features[clip.style].push_back(ClipFeatures(space_, clip.windows));
+  for (const StyledWindows& clip : captured)
+    features[clip.style].push_back(ClipFeatures(space_, clip.windows));
   if (features.size() < 2) throw std::invalid_argument("StyleClassifier: at least two styles are needed");
 
   const Eigen::Index size = features.begin()->second.front().size();
   Eigen::MatrixXd pooled = Eigen::MatrixXd::Zero(size, size);
   centroids_.resize(size, static_cast<Eigen::Index>(features.size()));
   for (const auto& [style, of_style] : features) {
-    if (of_style.size() < 2) throw std::invalid_argument("StyleClassifier: style '" + style + "' needs two clips or more");
+    if (of_style.size() < 2)
+      throw std::invalid_argument("StyleClassifier: style '" + style + "' needs two clips or more");
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(size);
     for (const Eigen::VectorXd& one : of_style) mean += one / static_cast<double>(of_style.size());
     for (const Eigen::VectorXd& one : of_style) pooled += (one - mean) * (one - mean).transpose();
     centroids_.col(static_cast<Eigen::Index>(styles_.size())) = mean;
     styles_.push_back(style);
   }
-  // The divisor only scales all distances alike. The last term keeps directions that never vary from being divided by 0.
+  // The divisor only scales all distances alike. The last term keeps directions that never vary from being
+  // divided by 0.
   pooled /= static_cast<double>(captured.size());
   const Eigen::VectorXd diagonal = pooled.diagonal();
   pooled *= 1 - options.shrinkage;
-  pooled.diagonal() += options.shrinkage * diagonal + Eigen::VectorXd::Constant(size, 1e-12 + 1e-9 * diagonal.maxCoeff());
+  pooled.diagonal() +=
+      options.shrinkage * diagonal + Eigen::VectorXd::Constant(size, 1e-12 + 1e-9 * diagonal.maxCoeff());
   const Eigen::LLT<Eigen::MatrixXd> cholesky(pooled);
-  if (cholesky.info() != Eigen::Success) throw std::runtime_error("StyleClassifier: the covariance is not definite");
+  if (cholesky.info() != Eigen::Success)
+    throw std::runtime_error("StyleClassifier: the covariance is not definite");
   whitener_ = cholesky.matrixL();
   whitener_.triangularView<Eigen::Lower>().solveInPlace(centroids_);
 }

@@ -13,8 +13,8 @@ namespace morphograph {
 WindowSpace::WindowSpace(const Eigen::MatrixXd& windows, int directions) {
   if (directions < 1) throw std::invalid_argument("WindowSpace: at least one direction is needed");
   const GaussianFit fit = FitGaussian(windows);
-  // Through the covariance, not the SVD of the windows: 220 dimensions against tens of thousands of windows, and only
-  // the leading directions matter, which the squared condition number does not hurt.
+  // Through the covariance, not the SVD of the windows: 220 dimensions against tens of thousands of windows,
+  // and only the leading directions matter, which the squared condition number does not hurt.
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(fit.covariance);
   if (solver.info() != Eigen::Success) throw std::runtime_error("WindowSpace: eigen-decomposition failed");
   const double largest = solver.eigenvalues().tail<1>()[0];
@@ -28,8 +28,8 @@ WindowSpace::WindowSpace(const Eigen::MatrixXd& windows, int directions) {
 
 Eigen::MatrixXd WindowSpace::Project(const Eigen::MatrixXd& windows) const {
   if (windows.rows() != mean_.size()) {
-    throw std::invalid_argument("WindowSpace: windows of " + std::to_string(mean_.size()) + " values expected, not " +
-                                std::to_string(windows.rows()));
+    throw std::invalid_argument("WindowSpace: windows of " + std::to_string(mean_.size()) +
+                                " values expected, not " + std::to_string(windows.rows()));
   }
   return basis_.transpose() * (windows.colwise() - mean_) / first_deviation_;
 }

@@ -4,8 +4,9 @@
 
 namespace morphograph {
 
-/// The space in which sets of windows are compared: leading principal directions of a captured set, all scaled by the
-/// standard deviation along the first (METHODS section 6), so that directions keep their relative size.
+/// The space in which sets of windows are compared: leading principal directions of a captured set, all
+/// scaled by the standard deviation along the first (METHODS section 6), so that directions keep their
+/// relative size.
 class WindowSpace {
  public:
   static constexpr int kDirections = 32;

@@ -1,13 +1,14 @@
 // Motion quality of a model, or of any set of clips, against captured clips (METHODS section 6).
 //
-//   quality_benchmark --data bnr/walk bnr/turns --model bnr.mgm      synthesised against captured, style by style
-//   quality_benchmark --data bnr/walk bnr/turns --set drawn/         a folder of BVH against captured
-//   quality_benchmark --data bnr/walk bnr/turns                      captured against itself, and controls that must fail
+//   quality_benchmark --data bnr/walk bnr/turns --model bnr.mgm   synthesised, style by style
+//   quality_benchmark --data bnr/walk bnr/turns --set drawn/      a folder of BVH
+//   quality_benchmark --data bnr/walk bnr/turns                   the captured clips themselves, and controls
 //
-// Captured and synthesised clips go through the same code. Figures that depend on the length of a clip are taken on pieces of equal
-// length. The Fréchet distance is given as a ratio to the one between two random halves of the captured clips (mean of 20 halvings);
-// it is squared and falls with the number of clips, so a half against a half, or any faithful large set, comes out under 1. What leaves
-// the 32 leading directions is not in it: see the residual beside it (resid., ratio of mean squared distances from them).
+// Captured and synthesised clips go through the same code. Figures that depend on the length of a clip are
+// taken on pieces of equal length. The Fréchet distance is given as a ratio to the one between two random
+// halves of the captured clips (mean of 20 halvings); it is squared and falls with the number of clips, so a
+// half against a half, or any faithful large set, comes out under 1. What leaves the 32 leading directions is
+// not in it: see the residual beside it (resid., ratio of mean squared distances from them).
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -19,6 +20,7 @@
 #include <filesystem>
 #include <map>
 #include <random>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -83,8 +85,9 @@ std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips, int trim, 
 }
 
 void PrintHeader() {
-  std::printf("%-26s %5s %7s | %7s %8s %8s %8s %8s | %8s %8s %7s %7s | %7s\n", "set", "clips", "windows", "contact", "natural.",
-              "skate", "acc 99.9", "jerk", "Frechet", "halves", "ratio", "resid.", "divers.");
+  std::printf("%-26s %5s %7s | %7s %8s %8s %8s %8s | %8s %8s %7s %7s | %7s\n", "set", "clips", "windows",
+              "contact", "natural.", "skate", "acc 99.9", "jerk", "Frechet", "halves", "ratio", "resid.",
+              "divers.");
 }
 
 void PrintAbsolute(const std::string& name, const Set& set) {
@@ -92,24 +95,30 @@ void PrintAbsolute(const std::string& name, const Set& set) {
   int windows = 0;
   for (const auto& of_clip : set.windows) windows += static_cast<int>(of_clip.cols());
   std::printf("%-26s %5d %7d | %5.2fmm %8.2e %4.2fcm/s %5.1fm/s2 %8.1f |\n", name.c_str(), q.clips, windows,
-              1000 * q.contact_distance_m, q.naturalness, q.foot_skate_cm_s, q.acceleration_p999_m_s2, q.mean_jerk_m_s3);
+              1000 * q.contact_distance_m, q.naturalness, q.foot_skate_cm_s, q.acceleration_p999_m_s2,
+              q.mean_jerk_m_s3);
 }
 
-morphograph::SetComparison PrintAgainst(const std::string& name, const Set& set, const Set& reference, std::uint64_t seed) {
+morphograph::SetComparison PrintAgainst(const std::string& name, const Set& set, const Set& reference,
+                                        std::uint64_t seed) {
   const auto comparison = morphograph::CompareWindowSets(set.windows, reference.windows, seed);
   const auto &a = set.quality, &b = reference.quality;
-  std::printf("%-26s %5d %7d | %7.3f %8.3f %8.3f %8.3f %8.3f | %8.4f %8.4f %7.2f %7.2f | %7.3f\n", name.c_str(), a.clips,
-              comparison.windows, a.contact_distance_m / b.contact_distance_m, a.naturalness / b.naturalness,
-              a.foot_skate_cm_s / b.foot_skate_cm_s, a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2,
-              a.mean_jerk_m_s3 / b.mean_jerk_m_s3, comparison.frechet, comparison.frechet_halves,
-              comparison.frechet_ratio, comparison.residual_ratio, comparison.diversity / comparison.diversity_reference);
+  std::printf("%-26s %5d %7d | %7.3f %8.3f %8.3f %8.3f %8.3f | %8.4f %8.4f %7.2f %7.2f | %7.3f\n",
+              name.c_str(), a.clips, comparison.windows, a.contact_distance_m / b.contact_distance_m,
+              a.naturalness / b.naturalness, a.foot_skate_cm_s / b.foot_skate_cm_s,
+              a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3,
+              comparison.frechet, comparison.frechet_halves, comparison.frechet_ratio,
+              comparison.residual_ratio, comparison.diversity / comparison.diversity_reference);
   return comparison;
 }
 
 void PrintBody(const std::string& name, const Set& set) {
   const auto& q = set.quality;
-  std::printf("%-26s knee flexion %.1f .. %.1f deg; lowest foot point %.1f mm under the contact plane; bones constant to %.1e m\n",
-              name.c_str(), q.min_knee_flexion_deg, q.max_knee_flexion_deg, -1000 * q.lowest_m, q.bone_length_error_m);
+  std::printf(
+      "%-26s knee flexion %.1f .. %.1f deg; lowest foot point %.1f mm under the contact plane; bones "
+      "constant to %.1e m\n",
+      name.c_str(), q.min_knee_flexion_deg, q.max_knee_flexion_deg, -1000 * q.lowest_m,
+      q.bone_length_error_m);
 }
 
 void PrintConfusion(const std::string& title, const morphograph::StyleConfusion& confusion) {
@@ -141,14 +150,16 @@ std::map<std::string, Set> ByStyle(const std::vector<MotionClip>& clips, const O
   return sets;
 }
 
-// Every rotation of the clip disturbed by white noise of `sigma_rad`: a control that must be told from the capture.
+// Every rotation of the clip disturbed by white noise of `sigma_rad`: a control that must be told from the
+// capture.
 MotionClip Noisy(MotionClip clip, double sigma_rad, std::mt19937_64& rng) {
   boost::random::normal_distribution<double> normal(0, sigma_rad);
   for (int f = 0; f < clip.frame_count(); ++f) {
     for (int j = clip.skeleton().moving_root(); j < clip.joint_count(); ++j) {
       const Eigen::Vector3d turn(normal(rng), normal(rng), normal(rng));
       if (turn.norm() > 0) {
-        clip.rotation(f, j) = (clip.rotation(f, j) * Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())));
+        clip.rotation(f, j) =
+            (clip.rotation(f, j) * Eigen::Quaterniond(Eigen::AngleAxisd(turn.norm(), turn.normalized())));
       }
     }
   }
@@ -168,8 +179,8 @@ void PrintHalves(const std::string& name, const std::vector<MotionClip>& clips, 
 }
 
 // The captured clips against themselves, and controls. Shows that the measures do measure.
-void SelfCheck(const std::vector<MotionClip>& captured, const Set& all, const std::map<std::string, Set>& by_style,
-               const Options& options) {
+void SelfCheck(const std::vector<MotionClip>& captured, const Set& all,
+               const std::map<std::string, Set>& by_style, const Options& options) {
   std::mt19937_64 rng(options.seed);
   std::printf("\none random half of the captured clips / the other half\n");
   PrintHeader();
@@ -188,8 +199,8 @@ void SelfCheck(const std::vector<MotionClip>& captured, const Set& all, const st
 }
 
 #ifdef MORPHOGRAPH_HAS_SYNTHESIZER
-std::vector<MotionClip> Draw(const morphograph::MotionGraph& graph, const std::optional<std::string>& style, int count,
-                             const Options& options) {
+std::vector<MotionClip> Draw(const morphograph::MotionGraph& graph, const std::optional<std::string>& style,
+                             int count, const Options& options) {
   std::vector<MotionClip> clips;
   for (int i = 0; i < count; ++i) {
     morphograph::SynthesisRequest request;
@@ -204,9 +215,9 @@ std::vector<MotionClip> Draw(const morphograph::MotionGraph& graph, const std::o
 
 // Draws clips, writes and reads each as BVH, and counts what no body could do. False when any could not.
 //
-// Limits come from the capture where a sound walk is not exactly zero: a knee may straighten as far as captured ones, and a foot
-// point may dip under the contact plane as deep as captured ones (a foot that rolls turns its ball joint below its standing height).
-// The floor itself is y = 0, where training puts it.
+// Limits come from the capture where a sound walk is not exactly zero: a knee may straighten as far as
+// captured ones, and a foot point may dip under the contact plane as deep as captured ones (a foot that rolls
+// turns its ball joint below its standing height). The floor itself is y = 0, where training puts it.
 bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::string>& styles,
                  const morphograph::SetQuality& captured, const Options& options) {
   const double knee_limit = std::min(0.0, captured.min_knee_flexion_deg) - 1;
@@ -221,15 +232,18 @@ bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::s
     const MotionClip drawn = morphograph::Synthesize(graph, request).clip;
     bool finite = drawn.root_positions().allFinite();
     for (int f = 0; f < drawn.frame_count() && finite; ++f) {
-      for (int j = 0; j < drawn.joint_count(); ++j) finite = finite && drawn.rotation(f, j).coeffs().allFinite();
+      for (int j = 0; j < drawn.joint_count(); ++j)
+        finite = finite && drawn.rotation(f, j).coeffs().allFinite();
     }
     if (!finite) {
       ++not_finite;
       continue;
     }
     const std::string text = morphograph::WriteBvh(morphograph::ExportClip(drawn));
-    // What a reader makes of the file, in place of what we meant. Leading frames are motion here, never a rest pose.
-    const MotionClip clip = morphograph::ImportClip(morphograph::ParseBvh(text, "drawn.bvh"), {.drop_leading_rest = false});
+    // What a reader makes of the file, in place of what we meant. Leading frames are motion here, never a
+    // rest pose.
+    const MotionClip clip =
+        morphograph::ImportClip(morphograph::ParseBvh(text, "drawn.bvh"), {.drop_leading_rest = false});
     const morphograph::EvaluationMotion motion = morphograph::PrepareEvaluation(clip);
     const morphograph::BodyCheck body = morphograph::CheckBody(motion);
     double lowest_here = 1;
@@ -250,13 +264,18 @@ bool SanityCheck(const morphograph::MotionGraph& graph, const std::vector<std::s
     knee = std::min(knee, body.min_knee_flexion_deg);
     bone = std::max(bone, body.bone_length_error_m);
   }
-  std::printf("\n%d clips of %.0f s written and read as BVH, clips at fault:\n", options.sanity, options.duration_s);
+  std::printf("\n%d clips of %.0f s written and read as BVH, clips at fault:\n", options.sanity,
+              options.duration_s);
   std::printf("  %4d not finite\n", not_finite);
-  std::printf("  %4d with a knee bent back (least flexion %.1f deg, limit %.1f: captured - 1)\n", knees, knee, knee_limit);
+  std::printf("  %4d with a knee bent back (least flexion %.1f deg, limit %.1f: captured - 1)\n", knees, knee,
+              knee_limit);
   std::printf("  %4d with bones that change (at most %.1e m)\n", bones, bone);
-  std::printf("  %4d with a joint or heel more than 1 cm under the floor y = 0 (lowest %.1f mm)\n", floor, 1000 * lowest_joint);
-  std::printf("  %4d with a foot more than 1 cm deeper under the contact plane than captured (lowest %.1f mm, limit %.1f)\n", plane,
-              1000 * lowest, 1000 * plane_limit);
+  std::printf("  %4d with a joint or heel more than 1 cm under the floor y = 0 (lowest %.1f mm)\n", floor,
+              1000 * lowest_joint);
+  std::printf(
+      "  %4d with a foot more than 1 cm deeper under the contact plane than captured (lowest %.1f mm, limit "
+      "%.1f)\n",
+      plane, 1000 * lowest, 1000 * plane_limit);
   return not_finite + knees + bones + floor + plane == 0;
 }
 
@@ -273,8 +292,9 @@ void TimeSampling(const morphograph::MotionGraph& graph, const Options& options)
     motion.push_back(1e3 * static_cast<double>(drawn - start) / CLOCKS_PER_SEC);
     text.push_back(1e3 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC);
   }
-  std::printf("a clip of %.0f s, processor time, median of 100: motion and report %.2f ms, with BVH text %.2f ms\n",
-              options.duration_s, morphograph::Percentile(motion, 0.5), morphograph::Percentile(text, 0.5));
+  std::printf(
+      "a clip of %.0f s, processor time, median of 100: motion and report %.2f ms, with BVH text %.2f ms\n",
+      options.duration_s, morphograph::Percentile(motion, 0.5), morphograph::Percentile(text, 0.5));
 }
 
 bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, const Set& all_whole,
@@ -282,8 +302,8 @@ bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, cons
   const auto graph = morphograph::LoadModel(options.model);
   const std::vector<std::string> styles = morphograph::Summarise(*graph).styles;
   std::map<std::string, Set> drawn;
-  std::printf("\nsynthesised / captured: %d clips of %.0f s a style, seeds from %llu\n", options.clips, options.duration_s,
-              static_cast<unsigned long long>(options.seed));
+  std::printf("\nsynthesised / captured: %d clips of %.0f s a style, seeds from %llu\n", options.clips,
+              options.duration_s, static_cast<unsigned long long>(options.seed));
   const Set pooled = Prepare(Draw(*graph, std::nullopt, options.clips, options), options);
   for (const std::string& style : styles) {
     if (captured.count(style)) drawn[style] = Prepare(Draw(*graph, style, options.clips, options), options);
@@ -293,7 +313,8 @@ bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, cons
     PrintHeader();
     PrintAgainst("no style asked / all", pooled, whole ? all_whole : all, options.seed);
     for (const auto& [style, set] : drawn) {
-      PrintAgainst(style.empty() ? "(no style)" : style, set, (whole ? captured_whole : captured).at(style), options.seed);
+      PrintAgainst(style.empty() ? "(no style)" : style, set, (whole ? captured_whole : captured).at(style),
+                   options.seed);
     }
   }
   PrintBody("synthesised", pooled);
@@ -326,22 +347,25 @@ void TimeEvaluation(const std::vector<MotionClip>& clips) {
     if (clip.frame_count() < 200) continue;
     const std::clock_t start = std::clock();  // processor time: the machine may be busy
     const auto evaluation = morphograph::EvaluateClip(clip);
-    times.push_back(1e6 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC * 301 / clip.frame_count());
+    times.push_back(1e6 * static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC * 301 /
+                    clip.frame_count());
     frames += static_cast<int>(evaluation.contact_distance_m.size());
   }
   if (times.empty()) return;
   std::sort(times.begin(), times.end());
-  std::printf("EvaluateClip: median %.0f us for 301 frames (scaled from %zu clips, %d frames)\n", times[times.size() / 2],
-              times.size(), frames);
+  std::printf("EvaluateClip: median %.0f us for 301 frames (scaled from %zu clips, %d frames)\n",
+              times[times.size() / 2], times.size(), frames);
 }
 
 bool Run(const Options& options) {
   const std::vector<MotionClip> whole = Load(options.data, options.jobs);
   const std::vector<MotionClip> trimmed = Trimmed(whole, options.trim, options.piece);
-  std::printf("captured: %zu clips; trimmed by %d frames at both ends %zu clips; pieces of %d frames at 30 fps\n", whole.size(),
-              options.trim, trimmed.size(), options.piece);
+  std::printf(
+      "captured: %zu clips; trimmed by %d frames at both ends %zu clips; pieces of %d frames at 30 fps\n",
+      whole.size(), options.trim, trimmed.size(), options.piece);
   const Set all = Prepare(trimmed, options), all_whole = Prepare(whole, options);
-  const std::map<std::string, Set> by_style = ByStyle(trimmed, options), by_style_whole = ByStyle(whole, options);
+  const std::map<std::string, Set> by_style = ByStyle(trimmed, options),
+                                   by_style_whole = ByStyle(whole, options);
   PrintHeader();
   PrintAbsolute("captured, trimmed", all);
   PrintAbsolute("captured, whole", all_whole);
@@ -359,13 +383,16 @@ bool Run(const Options& options) {
     const Set set = Prepare(clips, options);
     PrintAgainst("set / all", set, all, options.seed);
     for (const auto& [style, of_style] : ByStyle(clips, options)) {
-      if (!style.empty() && by_style.count(style)) PrintAgainst(style, of_style, by_style.at(style), options.seed);
+      if (!style.empty() && by_style.count(style))
+        PrintAgainst(style, of_style, by_style.at(style), options.seed);
     }
     PrintBody("set", set);
   }
   if (!options.model.empty()) {
 #ifdef MORPHOGRAPH_HAS_SYNTHESIZER
     return JudgeModel(all, by_style, all_whole, by_style_whole, options);
+#else
+    throw std::runtime_error("this build has no synthesiser, so --model cannot be used");
 #endif
   }
   if (options.set.empty() && options.model.empty()) SelfCheck(trimmed, all, by_style, options);
@@ -381,10 +408,14 @@ int main(int argc, char** argv) {
   app.add_option("--model", options.model, "model to draw from");
   app.add_option("--set", options.set, "BVH files and folders to compare with the captured ones");
   app.add_option("--clips", options.clips, "clips to draw of each style")->check(CLI::Range(1, 100000));
-  app.add_option("--duration", options.duration_s, "seconds of each drawn clip")->check(CLI::Range(1.0, 600.0));
-  app.add_option("--sanity", options.sanity, "clips to check for what no body can do")->check(CLI::Range(0, 1000000));
-  app.add_option("--trim", options.trim, "frames at 30 fps to cut off both ends of captured clips")->check(CLI::Range(0, 10000));
-  app.add_option("--piece", options.piece, "frames of the pieces that are measured")->check(CLI::Range(15, 100000));
+  app.add_option("--duration", options.duration_s, "seconds of each drawn clip")
+      ->check(CLI::Range(1.0, 600.0));
+  app.add_option("--sanity", options.sanity, "clips to check for what no body can do")
+      ->check(CLI::Range(0, 1000000));
+  app.add_option("--trim", options.trim, "frames at 30 fps to cut off both ends of captured clips")
+      ->check(CLI::Range(0, 10000));
+  app.add_option("--piece", options.piece, "frames of the pieces that are measured")
+      ->check(CLI::Range(15, 100000));
   app.add_option("--jobs", options.jobs, "threads to read with")->check(CLI::Range(1, 256));
   app.add_option("--seed", options.seed, "of the first clip and of all random halves");
   CLI11_PARSE(app, argc, argv);

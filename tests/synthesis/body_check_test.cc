@@ -9,17 +9,20 @@
 namespace morphograph {
 namespace {
 
-// A leg facing +Z whose knee is bent by `flexion_deg` (negative: backwards), turned about the vertical and tilted forward.
+// A leg facing +Z whose knee is bent by `flexion_deg` (negative: backwards), turned about the vertical and
+// tilted forward.
 double FlexionOfPosedLeg(double flexion_deg, double yaw_rad, double swing_rad, double toe_out_rad = 0) {
   const double bend = flexion_deg * std::numbers::pi / 180;
   const Eigen::Matrix3d thigh = Eigen::AngleAxisd(-swing_rad, Eigen::Vector3d::UnitX()).toRotationMatrix();
   const Eigen::Matrix3d shank = thigh * Eigen::AngleAxisd(bend, Eigen::Vector3d::UnitX());
   const Eigen::Vector3d hip(0.1, 0.9, 0), knee = hip + thigh * Eigen::Vector3d(0, -0.45, 0);
   const Eigen::Vector3d ankle = knee + shank * Eigen::Vector3d(0, -0.42, 0);
-  const Eigen::Vector3d toes = Eigen::AngleAxisd(toe_out_rad, Eigen::Vector3d::UnitY()) * Eigen::Vector3d(0, -0.06, 0.13);
+  const Eigen::Vector3d toes =
+      Eigen::AngleAxisd(toe_out_rad, Eigen::Vector3d::UnitY()) * Eigen::Vector3d(0, -0.06, 0.13);
   const Eigen::Vector3d ball = ankle + shank * toes;
   const Eigen::AngleAxisd turn(yaw_rad, Eigen::Vector3d::UnitY());
-  return KneeFlexionDeg(turn * hip, turn * knee, turn * ankle, turn * ball, turn * Eigen::Vector3d(0.2, 0, 0));
+  return KneeFlexionDeg(turn * hip, turn * knee, turn * ankle, turn * ball,
+                        turn * Eigen::Vector3d(0.2, 0, 0));
 }
 
 TEST(KneeFlexion, IsTheBendWhicheverWayTheBodyFaces) {

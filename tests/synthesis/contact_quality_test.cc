@@ -11,14 +11,17 @@ namespace {
 
 using testing::AlternatingFeet;
 
-ContactQuality Measure(const ContactTrack& track) { return MeasureContacts(track, FitGroundPlane(track, 30), 30); }
+ContactQuality Measure(const ContactTrack& track) {
+  return MeasureContacts(track, FitGroundPlane(track, 30), 30);
+}
 
 // Lifts every point by height(x, z).
 template <typename Height>
 ContactTrack Lifted(ContactTrack track, Height height) {
   for (int side = 0; side < 2; ++side) {
     for (Eigen::Matrix3Xd* points : {&track.balls[side], &track.heels[side]}) {
-      for (Eigen::Index f = 0; f < points->cols(); ++f) (*points)(1, f) += height((*points)(0, f), (*points)(2, f));
+      for (Eigen::Index f = 0; f < points->cols(); ++f)
+        (*points)(1, f) += height((*points)(0, f), (*points)(2, f));
     }
   }
   return track;
@@ -34,11 +37,13 @@ TEST(GroundPlane, FollowsATiltedFloorAlongTheWalk) {
   const ContactTrack track = Lifted(AlternatingFeet(150), [](double, double z) { return 0.02 * z; });
   const GroundPlane plane = FitGroundPlane(track, 30);
   EXPECT_NEAR(plane.slope_z, 0.02, 1e-3);  // the ridge takes a few per cent
-  EXPECT_LT(MeasureContacts(track, plane, 30).contact_distance_m, 2.5e-3);  // the heel is 18 cm behind: 1.8 mm of tilt
+  EXPECT_LT(MeasureContacts(track, plane, 30).contact_distance_m,
+            2.5e-3);  // the heel is 18 cm behind: 1.8 mm of tilt
 }
 
 TEST(GroundPlane, DoesNotTiltToHideAFootThatStandsHigher) {
-  const ContactTrack track = Lifted(AlternatingFeet(300), [](double x, double) { return x > 0 ? 0.02 : 0.0; });
+  const ContactTrack track =
+      Lifted(AlternatingFeet(300), [](double x, double) { return x > 0 ? 0.02 : 0.0; });
   EXPECT_GT(Measure(track).contact_distance_m, 0.004);
 }
 
@@ -55,7 +60,8 @@ TEST(GroundPlane, DoesNotRiseWithFeetThatRollOverTheirToes) {
   ContactTrack track = AlternatingFeet(150);
   for (const ContactInterval& interval : track.intervals) {
     const int side = interval.foot == Foot::kLeft ? 0 : 1;
-    for (int f = interval.first + 6; f <= interval.last; ++f) track.balls[side](1, f) += 0.012 * (f - interval.first - 5);
+    for (int f = interval.first + 6; f <= interval.last; ++f)
+      track.balls[side](1, f) += 0.012 * (f - interval.first - 5);
   }
   EXPECT_NEAR(FitGroundPlane(track, 30).height_m, 0.04, 1e-9);
 }
@@ -77,7 +83,8 @@ TEST(ContactQuality, OfPerfectStancesIsZero) {
 }
 
 TEST(ContactQuality, OfAKnownHeightErrorIsThatError) {
-  // Every second frame of a stance hovers 8 mm: the medians, and so the plane, stay; half of the frames are 8 mm off.
+  // Every second frame of a stance hovers 8 mm: the medians, and so the plane, stay; half of the frames are 8
+  // mm off.
   ContactTrack track = AlternatingFeet(150);
   for (const ContactInterval& interval : track.intervals) {
     const int side = interval.foot == Foot::kLeft ? 0 : 1;
@@ -102,7 +109,8 @@ TEST(ContactQuality, OfFeetThatSlideAtAKnownSpeedIsThatSpeed) {
   EXPECT_NEAR(Measure(track).foot_skate_cm_s, 15, 1e-9);
   for (int side = 0; side < 2; ++side) track.balls[side].row(1).array() += 0.0125;  // 2 - 2^0.5 of it counts
   EXPECT_NEAR(MeasureContacts(track, {0.04, 0, 0}, 30).foot_skate_cm_s, 15 * (2 - std::sqrt(2)), 1e-9);
-  for (int side = 0; side < 2; ++side) track.balls[side].row(1).array() += 0.0125;  // 2.5 cm up: nothing counts
+  for (int side = 0; side < 2; ++side)
+    track.balls[side].row(1).array() += 0.0125;  // 2.5 cm up: nothing counts
   EXPECT_NEAR(MeasureContacts(track, {0.04, 0, 0}, 30).foot_skate_cm_s, 0, 1e-9);
 }
 

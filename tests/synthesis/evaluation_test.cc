@@ -41,7 +41,8 @@ TEST(EvaluateClip, HardlyDependsOnTheFrameRate) {
     EXPECT_NEAR(evaluation.quality.foot_skate_cm_s, reference.quality.foot_skate_cm_s, 1.0) << rate;
     EXPECT_NEAR(evaluation.quality.naturalness / reference.quality.naturalness, 1, 0.25) << rate;
     EXPECT_NEAR(static_cast<double>(evaluation.contact_distance_m.size()), slow.frame_count(), 1) << rate;
-    EXPECT_GT(evaluation.contacts.back().interval.last, slow.frame_count()) << "contacts count the clip's own frames";
+    EXPECT_GT(evaluation.contacts.back().interval.last, slow.frame_count())
+        << "contacts count the clip's own frames";
     EXPECT_LT(evaluation.contacts.back().interval.last, fast.frame_count());
   }
 }
@@ -67,7 +68,8 @@ TEST(EvaluateClip, SeesShaking) {
   const double naturalness = EvaluateClip(shaking).quality.naturalness;
   const int root = shaking.skeleton().moving_root();
   for (int f = 0; f < shaking.frame_count(); f += 9) {
-    shaking.rotation(f, root) = shaking.rotation(f, root) * Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
+    shaking.rotation(f, root) =
+        shaking.rotation(f, root) * Eigen::Quaterniond(Eigen::AngleAxisd(0.1, Eigen::Vector3d::UnitX()));
   }
   EXPECT_GT(EvaluateClip(shaking).quality.naturalness, 2 * naturalness);
 }
@@ -94,7 +96,8 @@ TEST(EvaluateClip, RefusesWhatCannotBeMeasured) {
   MotionClip broken = clip;
   broken.root_positions()(1, 40) = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(EvaluateClip(broken), std::invalid_argument);
-  const auto headless = std::make_shared<const Skeleton>(clip.skeleton().joints(), RoleMap(), 1.0, UpAxis::kY);
+  const auto headless =
+      std::make_shared<const Skeleton>(clip.skeleton().joints(), RoleMap(), 1.0, UpAxis::kY);
   EXPECT_THROW(EvaluateClip(MotionClip(headless, 30, 10)), std::invalid_argument);
 }
 
@@ -116,7 +119,8 @@ TEST(CheckBody, PassesAWalkAndSeesAKneeThatBendsBack) {
 
   const int knee = clip.skeleton().roles()[JointRole::kLeftKnee];
   for (const int f : {50, 51, 52}) {
-    clip.rotation(f, knee) = clip.rotation(f, knee) * Eigen::Quaterniond(Eigen::AngleAxisd(-2.0, Eigen::Vector3d::UnitX()));
+    clip.rotation(f, knee) =
+        clip.rotation(f, knee) * Eigen::Quaterniond(Eigen::AngleAxisd(-2.0, Eigen::Vector3d::UnitX()));
   }
   EXPECT_LT(CheckBody(PrepareEvaluation(clip)).min_knee_flexion_deg, -30);
 }

@@ -6,8 +6,8 @@
 
 namespace morphograph::testing {
 
-/// Two feet that alternately stand for `stance` frames and swing 10 cm high for as many, walking along +Z; balls and
-/// heels stand at `stance_height_m`. Made for measures whose answer is then known.
+/// Two feet that alternately stand for `stance` frames and swing 10 cm high for as many, walking along +Z;
+/// balls and heels stand at `stance_height_m`. Made for measures whose answer is then known.
 inline ContactTrack AlternatingFeet(int frames, int stance = 15, double stance_height_m = 0.04) {
   ContactTrack track;
   track.planted = Eigen::Array<std::uint8_t, 4, Eigen::Dynamic>::Zero(4, frames);

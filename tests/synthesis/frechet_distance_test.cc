@@ -11,7 +11,9 @@
 namespace morphograph {
 namespace {
 
-GaussianFit Normal(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) { return {mean, covariance}; }
+GaussianFit Normal(const Eigen::VectorXd& mean, const Eigen::MatrixXd& covariance) {
+  return {mean, covariance};
+}
 
 TEST(FrechetDistance, OfCommutingGaussiansIsTheClosedForm) {
   // Diagonal covariances commute: |m1 - m2|^2 + sum (s1 - s2)^2 = (9 + 16) + (1 - 2)^2 + (3 - 0.5)^2.

@@ -40,10 +40,10 @@ TEST(PoseFeatures, PointLeftUpAndForward) {
   const Eigen::MatrixXd features = PoseFeatures(PrepareEvaluation(clip));
   const Eigen::VectorXd mean = features.rowwise().mean();
   // Roles in order: hips, left hip, right hip, ..., the velocity last.
-  EXPECT_GT(mean[3], 0.05);                // left hip is on the left
-  EXPECT_NEAR(mean[3], -mean[6], 0.01);    // right hip on the right
-  EXPECT_GT(mean[1], 0.7);                 // hips are above the ground
-  EXPECT_NEAR(mean[43], 1.3, 0.15);        // walks forward at the speed asked for
+  EXPECT_GT(mean[3], 0.05);              // left hip is on the left
+  EXPECT_NEAR(mean[3], -mean[6], 0.01);  // right hip on the right
+  EXPECT_GT(mean[1], 0.7);               // hips are above the ground
+  EXPECT_NEAR(mean[43], 1.3, 0.15);      // walks forward at the speed asked for
   EXPECT_NEAR(mean[42], 0, 0.05);
 }
 
@@ -57,12 +57,12 @@ TEST(CompareSets, OfTwoHalvesOfOneKindIsNearTheFloor) {
 
 TEST(CompareSets, TellsAnotherWayOfWalking) {
   const std::vector<MotionClip> reference = GaitClips(40, 20, AsIs);
-  const SetComparison faster =
-      CompareSets(GaitClips(10, 10, [](SyntheticGaitOptions& options) { options.speed_m_s += 0.4; }), reference);
+  const SetComparison faster = CompareSets(
+      GaitClips(10, 10, [](SyntheticGaitOptions& options) { options.speed_m_s += 0.4; }), reference);
   EXPECT_GT(faster.frechet_ratio, 10);
   // A bend of the trunk that the reference never shows lies across its leading directions.
-  const SetComparison stooped =
-      CompareSets(GaitClips(10, 10, [](SyntheticGaitOptions& options) { options.stoop_rad = 0.3; }), reference);
+  const SetComparison stooped = CompareSets(
+      GaitClips(10, 10, [](SyntheticGaitOptions& options) { options.stoop_rad = 0.3; }), reference);
   EXPECT_GT(stooped.residual_ratio, 3);
   // One clip, repeated: near the reference's mean, without its spread.
   const SetComparison same = CompareSets(std::vector<MotionClip>(10, reference.front()), reference);

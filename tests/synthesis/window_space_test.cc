@@ -38,7 +38,8 @@ TEST(WindowSpace, KeepsLeadingDirectionsScaledByTheFirst) {
 
 TEST(WindowSpace, ResidualIsWhatTheDirectionsLeaveOut) {
   std::mt19937_64 rng(15);
-  const Eigen::MatrixXd windows = NormalWindows(Eigen::Vector3d::Zero(), Eigen::Vector3d(2, 1, 0.1), 5000, rng);
+  const Eigen::MatrixXd windows =
+      NormalWindows(Eigen::Vector3d::Zero(), Eigen::Vector3d(2, 1, 0.1), 5000, rng);
   const WindowSpace space(windows, 2);
   EXPECT_NEAR(space.MeanSquaredResidual(windows), 0.01 / 4, 2e-4);
   Eigen::MatrixXd lifted = windows;
