@@ -75,5 +75,40 @@ TEST(Repository, ChecksSeeWhatTheyLookFor) {
   EXPECT_FALSE(Names("add_library(x\n  ba.cc\n)", "a.cc"));
 }
 
+// Relative links of a Markdown text, `#...` taken off.
+std::vector<std::string> Links(std::string_view text) {
+  std::vector<std::string> links;
+  for (std::size_t at = text.find("]("); at != std::string_view::npos; at = text.find("](", at + 1)) {
+    std::string_view link = text.substr(at + 2);
+    link = link.substr(0, link.find_first_of(")#"));
+    if (!link.empty() && link.find("://") == std::string_view::npos) links.emplace_back(link);
+  }
+  return links;
+}
+
+TEST(Repository, LinksInDocumentsLead) {
+  EXPECT_THAT(Links("[a](b/c.md#d) [e](https://f.org) [g](#h)"), ::testing::ElementsAre("b/c.md"));
+  for (const std::string& path : ProjectFiles()) {
+    if (!path.ends_with(".md")) continue;
+    const auto folder = (std::filesystem::path(MORPHOGRAPH_SOURCE_DIR) / path).parent_path();
+    for (const std::string& link : Links(Text(path))) {
+      EXPECT_TRUE(std::filesystem::exists(folder / link)) << path << " links to " << link;
+    }
+  }
+}
+
+// A source that no CMakeLists.txt names is compiled nowhere, and its tests never run.
+TEST(Repository, EverySourceIsBuilt) {
+  std::string lists;
+  const std::vector<std::string> paths = ProjectFiles();
+  for (const std::string& path : paths) {
+    if (path.ends_with("CMakeLists.txt")) lists += Text(path);
+  }
+  for (const std::string& path : paths) {
+    if (!path.ends_with(".cc")) continue;
+    EXPECT_TRUE(Names(lists, path.substr(path.rfind('/') + 1))) << path;
+  }
+}
+
 }  // namespace
 }  // namespace morphograph::testing
