@@ -22,6 +22,10 @@ constexpr double kWorkRate_hz = 60;
 constexpr int kFewestSteps = 4;   // of a steady kind, to be worth a primitive
 constexpr int kFewestStarts = 2;  // of a start or an end, of which captures hold few
 constexpr int kFewestPairs = 2;
+// Contact labels say where a foot may be held, so they are stricter than what counts as a contact elsewhere: a foot that rolls
+// off at half a metre a second must not be held.
+constexpr double kPlantedHeight_m = 0.04;
+constexpr double kPlantedSpeed_m_s = 0.35;
 
 class Progress {
  public:
@@ -75,7 +79,7 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
     } else {
       if (clip.shared_skeleton() != skeleton) clip = Retarget(clip, skeleton);
       if (clip.frame_rate_hz() > kWorkRate_hz * 1.01) clip = Resample(clip, kWorkRate_hz);
-      prepared[i].contacts = DetectContacts(clip);
+      prepared[i].contacts = DetectContacts(clip, {.height_m = kPlantedHeight_m, .speed_m_s = kPlantedSpeed_m_s});
       prepared[i].clip = std::move(clip);
       prepared[i].made = clips[i].made;
     }

@@ -10,6 +10,9 @@
 namespace morphograph {
 namespace {
 
+// How much of a planted point's own rise and fall is taken out. All of it would make stances flatter than any captured one.
+constexpr double kLevelling = 0.4;
+
 struct Interval {
   int first, last;
 };
@@ -87,14 +90,34 @@ class FootCorrection {
     }
   }
 
+  // Rounds the corners where holds begin, end and change over: a kink in a shift is a kick in the leg's acceleration.
+  void Smooth(double sigma_frames) {
+    const int reach = static_cast<int>(std::ceil(2.5 * sigma_frames));
+    const int frames = static_cast<int>(shift_.cols());
+    const Eigen::Matrix3Xd sharp = shift_;
+    for (int f = 0; f < frames; ++f) {
+      Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+      double weights = 0;
+      for (int i = -reach; i <= reach; ++i) {
+        const double weight = std::exp(-0.5 * i * i / (sigma_frames * sigma_frames));
+        sum += weight * sharp.col(std::clamp(f + i, 0, frames - 1));
+        weights += weight;
+      }
+      shift_.col(f) = sum / weights;
+    }
+  }
+
   const Eigen::Matrix3Xd& shift() const { return shift_; }
 
  private:
   // Holds a point on the mean of its places over [mean_first, mean_last].
   void Hold(const Eigen::Matrix3Xd& points, double height, int first, int last, int mean_first, int mean_last) {
     Eigen::Vector3d spot = points.middleCols(mean_first, mean_last - mean_first + 1).rowwise().mean();
-    spot.y() = height;
-    for (int f = first; f <= last; ++f) shift_.col(f) = spot - points.col(f);
+    const double lift = height - spot.y();
+    for (int f = first; f <= last; ++f) {
+      shift_.col(f) = spot - points.col(f);
+      shift_(1, f) = lift + kLevelling * (spot.y() - points(1, f));
+    }
   }
   // Holds a point where the shift of frame `from` puts it, over `begin` to `end` in either direction.
   void Follow(const Eigen::Matrix3Xd& points, int from, int begin, int end) {
@@ -102,7 +125,10 @@ class FootCorrection {
     const int step = begin <= end ? 1 : -1;
     const bool outwards = (step == 1) == (begin > from);
     if (!outwards) return;
-    for (int f = begin; f != end + step; f += step) shift_.col(f) = spot - points.col(f);
+    for (int f = begin; f != end + step; f += step) {
+      shift_.col(f) = spot - points.col(f);
+      shift_(1, f) = shift_(1, from);
+    }
   }
 
   Eigen::Matrix3Xd heels_, balls_;
@@ -147,6 +173,7 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
     for (size_t i = 0; i <= stances.size(); ++i) {
       correction.EaseBetween(i > 0 ? &stances[i - 1] : nullptr, i < stances.size() ? &stances[i] : nullptr, ease);
     }
+    correction.Smooth(options.corner_s * clip->frame_rate_hz());
     for (int f = 0; f < frames; ++f) {
       const Eigen::Vector3d shift = correction.shift().col(f);
       legs[side].Solve(ankles[side].col(f) + shift, std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));

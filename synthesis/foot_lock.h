@@ -10,6 +10,7 @@ struct FootLockOptions {
   double planted_chance = 0.5;  // from which a part of a foot counts as planted
   double shortest_s = 0.1;      // shorter stances are left alone
   double ease_s = 0.13;         // into and out of a stance
+  double corner_s = 0.025;      // standard deviation of the filter that rounds the corners of the correction
 };
 
 /// Holds planted feet where they stand, by inverse kinematics of the legs.
