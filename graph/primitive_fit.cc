@@ -4,6 +4,7 @@
 #include <cmath>
 #include <random>
 
+#include "datasets/errors.h"
 #include "datasets/forward_kinematics.h"
 #include "primitives/frame_distance.h"
 #include "primitives/gaussian_mixture.h"
@@ -118,6 +119,10 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
 
   const Eigen::MatrixXd steady_vectors = vectors(Eigen::all, steady);
   const WeightedPca pca = FitWeightedPca(steady_vectors, weights.cwiseAbs2(), {.variance_kept = options.variance_kept});
+  if (pca.components() == 0) {
+    throw DatasetError(members.primitive, "its " + std::to_string(steady.size()) +
+                                              " steps are all alike; a model needs steps that differ");
+  }
   primitive.reduction.mean = pca.mean;
   primitive.reduction.basis = pca.basis.cast<float>();
   primitive.reduction.variance_kept = pca.variance_kept;

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -84,7 +85,7 @@ Eigen::MatrixXd LeaveOneOutResiduals(const GaussianProcess& process, const Eigen
 
 // Log density of the columns under isotropic noise of their own mean square: what a process has to beat.
 double WhiteNoiseEvidence(const Eigen::MatrixXd& values) {
-  const double variance = values.squaredNorm() / values.size();
+  const double variance = std::max(values.squaredNorm() / values.size(), 1e-9);  // pairs may be met exactly
   return -0.5 * values.size() * (std::log(2 * M_PI * variance) + 1);
 }
 

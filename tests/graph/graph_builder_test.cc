@@ -1,0 +1,130 @@
+#include "graph/graph_builder.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "datasets/errors.h"
+#include "graph/graph_summary.h"
+#include "graph/model_io.h"
+#include "tests/support/small_model.h"
+
+namespace morphograph {
+namespace {
+
+using ::testing::Contains;
+using ::testing::HasSubstr;
+
+const PrimitiveSummary* Find(const GraphSummary& summary, const std::string& name, const std::string& style) {
+  for (const PrimitiveSummary& primitive : summary.primitives) {
+    if (primitive.name == name && primitive.style == style) return &primitive;
+  }
+  return nullptr;
+}
+
+std::vector<TrainingClip> SmallClips() {
+  std::vector<TrainingClip> clips;
+  for (auto& [name, clip] : testing::SmallWalks()) clips.push_back({std::move(clip), true});
+  return clips;
+}
+
+TEST(GraphBuilder, LearnsWalkingStartingAndStoppingInEveryStyle) {
+  const GraphSummary summary = Summarise(*testing::SmallModel());
+  EXPECT_THAT(summary.styles, ::testing::ElementsAre("brisk", "slow"));
+  for (const std::string style : {"brisk", "slow"}) {
+    for (const std::string name : {"left_walk", "right_walk", "left_first_start", "right_first_start"}) {
+      const PrimitiveSummary* primitive = Find(summary, name, style);
+      ASSERT_NE(primitive, nullptr) << name << " " << style;
+      EXPECT_GE(primitive->variance_kept, 0.99) << name;
+      EXPECT_GE(primitive->components, 1) << name;
+    }
+  }
+  // Six walks of 14 steps a style: faster ones take shorter steps in time.
+  EXPECT_LT(Find(summary, "left_walk", "brisk")->mean_duration_s, Find(summary, "left_walk", "slow")->mean_duration_s);
+}
+
+TEST(GraphBuilder, ContactsSayThatTheLandingFootStandsAtTheEndOfItsStep) {
+  const GraphSummary summary = Summarise(*testing::SmallModel());
+  const PrimitiveSummary* step = Find(summary, "left_walk", "slow");
+  ASSERT_NE(step, nullptr);
+  const bool stands = std::any_of(step->contacts.begin(), step->contacts.end(), [](const ContactSummary& contact) {
+    return contact.part.starts_with("left") && contact.to_phase > 1;
+  });
+  const bool swings = std::none_of(step->contacts.begin(), step->contacts.end(), [](const ContactSummary& contact) {
+    return contact.part.starts_with("left") && contact.from_phase < 0.55 && contact.to_phase > 0.55;
+  });
+  EXPECT_TRUE(stands);
+  EXPECT_TRUE(swings);
+}
+
+TEST(GraphBuilder, ChancesOfLeavingSumToOneAndDeadEndsAreNoted) {
+  const auto& graph = *testing::SmallModel();
+  for (int p = 0; p < graph.primitive_count(); ++p) {
+    double sum = 0;
+    for (const int edge : graph.out_edges(p)) sum += graph.transition(edge).probability;
+    if (graph.is_dead_end(p)) {
+      EXPECT_THAT(graph.provenance().notes, Contains(HasSubstr("dead end")));
+    } else {
+      EXPECT_NEAR(sum, 1, 1e-9);
+    }
+  }
+}
+
+TEST(GraphBuilder, SameModelOnAnyNumberOfThreads) {
+  TrainingOptions options;
+  options.name = "walk";
+  options.jobs = 3;
+  EXPECT_EQ(BuildGraph(SmallClips(), options)->hash(), testing::SmallModel()->hash());
+}
+
+TEST(GraphBuilder, ProgressRisesToOne) {
+  TrainingOptions options;
+  double last = 0;
+  bool rises = true;
+  options.progress = [&](const std::string& stage, double fraction) {
+    rises = rises && !stage.empty() && fraction >= last - 1e-12;
+    last = fraction;
+  };
+  BuildGraph(SmallClips(), options);
+  EXPECT_TRUE(rises);
+  EXPECT_DOUBLE_EQ(last, 1);
+}
+
+TEST(GraphBuilder, StopsWhenCancelled) {
+  std::atomic<bool> cancelled = true;
+  TrainingOptions options;
+  options.cancelled = &cancelled;
+  EXPECT_THROW(BuildGraph(SmallClips(), options), TrainingCancelled);
+}
+
+TEST(GraphBuilder, SaysWhyNothingCanBeLearned) {
+  EXPECT_THROW(BuildGraph({}, {}), DatasetError);
+  SyntheticGaitOptions one_step;
+  one_step.steps = 2;
+  try {
+    BuildGraph({{GenerateGait(one_step), true}}, {});
+    FAIL() << "learned from two steps";
+  } catch (const DatasetError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("examples"));
+  }
+}
+
+TEST(GraphBuilder, RefusesSkeletonsWithoutLegs) {
+  std::vector<Joint> joints(2);
+  joints[0].name = "base";
+  joints[1].name = "tip";
+  joints[1].parent = 0;
+  const auto skeleton = std::make_shared<Skeleton>(joints, DetectRoles({"base", "tip"}), 1.0, UpAxis::kY);
+  try {
+    BuildGraph({{MotionClip(skeleton, 30, 100), false}}, {});
+    FAIL() << "learned from a skeleton without legs";
+  } catch (const DatasetError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("left_knee"));
+    EXPECT_THAT(error.what(), HasSubstr("roles"));
+  }
+}
+
+}  // namespace
+}  // namespace morphograph

@@ -1,0 +1,114 @@
+#include "graph/transition_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/SVD>
+#include <boost/random/uniform_int_distribution.hpp>
+#include <random>
+
+#include "primitives/whitening.h"
+#include "tests/support/random_matrix.h"
+
+namespace morphograph {
+namespace {
+
+constexpr int kDims = 4;
+
+// A chain of latents x' = B x + noise, so strongly correlated that a plain regression of it would be near instability.
+Eigen::MatrixXd Chain(int steps, std::mt19937_64& rng) {
+  const Eigen::MatrixXd noise = testing::RandomNormal(kDims, steps, rng);
+  Eigen::MatrixXd chain(kDims, steps);
+  Eigen::VectorXd x = Eigen::VectorXd::Zero(kDims);
+  for (int i = 0; i < steps; ++i) {
+    x = 0.9 * x + noise.col(i);
+    x[1] += 0.2 * x[0];
+    chain.col(i) = x;
+  }
+  return chain;
+}
+
+GaussianMixture OneGaussian(const Eigen::MatrixXd& samples) {
+  std::mt19937_64 rng(1);
+  return FitGaussianMixture(samples, 1, CovarianceForm::kFull, {}, rng).mixture;
+}
+
+struct Fitted {
+  GaussianMixture mixture;
+  TransitionModel model;
+};
+
+Fitted FitChain(int steps) {
+  std::mt19937_64 rng(5);
+  const Eigen::MatrixXd chain = Chain(steps, rng);
+  Fitted fitted{OneGaussian(chain), {}};
+  fitted.model = FitTransition({chain.leftCols(steps - 1), chain.rightCols(steps - 1)}, fitted.mixture, fitted.mixture);
+  return fitted;
+}
+
+TEST(TransitionFit, WalkingOnForTwoHundredStepsKeepsTheCapturedMarginal) {
+  const Fitted fitted = FitChain(400);
+  std::mt19937_64 rng(7);
+  boost::random::uniform_int_distribution<int> pick(0, static_cast<int>(fitted.model.residuals.cols()) - 1);
+  Eigen::MatrixXd late(kDims, 2000);
+  for (int walk = 0; walk < late.cols(); ++walk) {
+    Eigen::VectorXd w = testing::RandomNormal(kDims, 1, rng);
+    for (int step = 0; step < 200; ++step) w = fitted.model.Mean(w) + fitted.model.residuals.col(pick(rng)).cast<double>();
+    late.col(walk) = w;
+  }
+  const Eigen::VectorXd mean = late.rowwise().mean();
+  const Eigen::MatrixXd centred = late.colwise() - mean;
+  const Eigen::MatrixXd covariance = centred * centred.transpose() / static_cast<double>(late.cols());
+  EXPECT_LT(mean.cwiseAbs().maxCoeff(), 0.2);
+  for (int d = 0; d < kDims; ++d) {
+    EXPECT_GT(std::sqrt(covariance(d, d)), 0.9) << d;
+    EXPECT_LT(std::sqrt(covariance(d, d)), 1.1) << d;
+  }
+}
+
+TEST(TransitionFit, LinearPartNeverGrowsAVector) {
+  const Fitted fitted = FitChain(60);
+  const Eigen::JacobiSVD<Eigen::MatrixXf> svd(fitted.model.linear);
+  EXPECT_LE(svd.singularValues()[0], 0.97f + 1e-5f);
+  EXPECT_GT(svd.singularValues()[0], 0.3f) << "the chain's correlation was not learned";
+}
+
+TEST(TransitionFit, PredictsBetterThanTheMarginal) {
+  const Fitted fitted = FitChain(400);
+  std::mt19937_64 rng(11);
+  const Eigen::MatrixXd unseen = Chain(400, rng);
+  double with = 0, without = 0;
+  for (int i = 50; i + 1 < unseen.cols(); ++i) {
+    const MixtureComponent& component = fitted.mixture.Component(0);
+    const Eigen::VectorXd next = Whiten(component, unseen.col(i + 1));
+    with += (next - fitted.model.Mean(Whiten(component, unseen.col(i)))).squaredNorm();
+    without += next.squaredNorm();
+  }
+  EXPECT_LT(with, 0.5 * without);
+}
+
+TEST(TransitionFit, ComponentChancesFollowTheCapture) {
+  // Two well separated components that always alternate.
+  std::mt19937_64 rng(3);
+  Eigen::MatrixXd chain = 0.1 * testing::RandomNormal(2, 200, rng);
+  for (int i = 0; i < chain.cols(); i += 2) chain(0, i) += 10;
+  std::mt19937_64 em(1);
+  const GaussianMixture mixture = FitGaussianMixture(chain, 2, CovarianceForm::kDiagonal, {}, em).mixture;
+  ASSERT_EQ(mixture.size(), 2);
+  const TransitionModel model = FitTransition({chain.leftCols(199), chain.rightCols(199)}, mixture, mixture);
+  for (int c = 0; c < 2; ++c) {
+    EXPECT_NEAR(model.component_chances.row(c).sum(), 1, 1e-12);
+    EXPECT_GT(model.component_chances(c, 1 - c), 0.95);
+  }
+}
+
+TEST(TransitionFit, RefusesPairsThatDoNotFit) {
+  std::mt19937_64 rng(5);
+  const Eigen::MatrixXd chain = Chain(50, rng);
+  const GaussianMixture mixture = OneGaussian(chain);
+  EXPECT_THROW(FitTransition({Eigen::MatrixXd(kDims, 0), Eigen::MatrixXd(kDims, 0)}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({chain, chain.leftCols(10)}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({chain.topRows(2), chain.topRows(2)}, mixture, mixture), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morphograph
