@@ -69,6 +69,7 @@ TrainingService::TrainingService(Service* service, fs::path folder, const std::s
       threads_(threads) {
   LoadModels();
   CountJobs();
+  RemoveLeftOvers();
   worker_ = std::thread([this] { Work(); });
 }
 
@@ -96,6 +97,15 @@ void TrainingService::LoadModels() {
     }
   }
   service_->metrics.models = static_cast<int>(service_->models.List().size());
+}
+
+void TrainingService::RemoveLeftOvers() {
+  for (const auto& entry : fs::directory_iterator(folder_ / "uploads")) {
+    const auto job = store_.Find(entry.path().filename().string());
+    if (job && !job->IsFinished()) continue;
+    std::error_code ignored;
+    fs::remove_all(entry.path(), ignored);
+  }
 }
 
 void TrainingService::CountJobs() {

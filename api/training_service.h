@@ -45,6 +45,7 @@ class TrainingService {
 
  private:
   void LoadModels();
+  void RemoveLeftOvers();  // uploads whose job has ended
   void Work();
   void Run(Job job);
   void CountJobs();

@@ -1,0 +1,260 @@
+// The command line through the real program.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdio>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "datasets/bvh_reader.h"
+#include "graph/model_io.h"
+#include "tests/support/raw_http.h"
+#include "tests/support/small_model.h"
+#include "tests/support/temporary_folder.h"
+
+namespace morphograph {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+
+std::string ReadFile(const fs::path& path) {
+  std::ifstream in(path, std::ios::binary);
+  std::ostringstream text;
+  text << in.rdbuf();
+  return text.str();
+}
+
+struct Outcome {
+  int status = -1;
+  std::string out, err;
+};
+
+class CliTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    shared_ = new testing::TemporaryFolder;
+    for (const auto& [name, text] : testing::SmallWalkFiles()) shared_->Write("data/" + name, text);
+    SaveModel(*testing::SmallModel(), shared_->path() / "walk.mgm");
+  }
+  static void TearDownTestSuite() { delete shared_; }
+
+  // Arguments are the tests' own words; paths hold no quotes.
+  Outcome Run(const std::string& arguments) {
+    const std::string command = "cd '" + folder_.path().string() + "' && '" MORPHOGRAPH_PROGRAM "' " + arguments +
+                                " > out.txt 2> err.txt < /dev/null";
+    const int status = std::system(command.c_str());
+    Outcome outcome{WIFEXITED(status) ? WEXITSTATUS(status) : -1, ReadFile(Path("out.txt")), ReadFile(Path("err.txt"))};
+    fs::remove(Path("out.txt"));
+    fs::remove(Path("err.txt"));
+    return outcome;
+  }
+  fs::path Path(const std::string& name) const { return folder_.path() / name; }
+  static std::string Model() { return "'" + (shared_->path() / "walk.mgm").string() + "'"; }
+  static std::string Data() { return "'" + (shared_->path() / "data").string() + "'"; }
+  static std::string Clip() { return "'" + (shared_->path() / "data/walk_brisk_000.bvh").string() + "'"; }
+  std::vector<std::string> Listing() const {
+    std::vector<std::string> names;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_.path()))
+      names.push_back(fs::relative(entry.path(), folder_.path()).string());
+    std::sort(names.begin(), names.end());
+    return names;
+  }
+  // A failure is told in one line and leaves nothing behind.
+  void ExpectFailure(const std::string& arguments, int status, const std::string& why) {
+    const std::vector<std::string> before = Listing();
+    const Outcome outcome = Run(arguments);
+    EXPECT_EQ(outcome.status, status) << arguments << "\n" << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(why)) << arguments;
+    if (status == 1) {
+      EXPECT_EQ(std::count(outcome.err.begin(), outcome.err.end(), '\n'), 1) << outcome.err;
+    }
+    EXPECT_EQ(Listing(), before) << arguments;
+  }
+
+  static testing::TemporaryFolder* shared_;
+  testing::TemporaryFolder folder_;
+};
+testing::TemporaryFolder* CliTest::shared_ = nullptr;
+
+TEST_F(CliTest, HelpAndVersionAreNoErrors) {
+  EXPECT_EQ(Run("--help").status, 0);
+  EXPECT_EQ(Run("synthesize --help").status, 0);
+  EXPECT_THAT(Run("--version").out, HasSubstr("morphograph 0."));
+}
+
+TEST_F(CliTest, WrongUsageIsStatus2) {
+  ExpectFailure("", 2, "subcommand");
+  ExpectFailure("dance", 2, "dance");
+  ExpectFailure("inspect", 2, "model");
+  ExpectFailure("inspect " + Model() + " --json --dot", 2, "dot");
+  ExpectFailure("synthesize --model " + Model() + " --out a.bvh", 2, "--duration");
+  ExpectFailure("synthesize --model " + Model() + " --duration 2 --steps 3 --out a.bvh", 2, "duration");
+  ExpectFailure("synthesize --model " + Model() + " --duration 2", 2, "--out");
+  ExpectFailure("synthesize --model " + Model() + " --duration=-2 --out a.bvh", 2, "/duration");
+  ExpectFailure("synthesize --model " + Model() + " --duration two --out a.bvh", 2, "two");
+  ExpectFailure("train --data x", 2, "--out");
+  ExpectFailure("serve --port 99999", 2, "--port");
+  ExpectFailure("keyframes " + Clip() + " --method learned", 2, "--labels");
+  for (const std::string later : {"study", "sensors", "markers", "reconstruct"})
+    ExpectFailure(later + " --anything", 2, "does not exist yet");
+}
+
+TEST_F(CliTest, SeedsAreUnsigned64BitIntegers) {
+  for (const std::string seed : {"-1", "18446744073709551616", "1.5", "1e3", "x"})
+    ExpectFailure("synthesize --model " + Model() + " --steps 2 --seed=" + seed + " --out a.bvh", 2, "seed");
+  EXPECT_EQ(Run("synthesize --model " + Model() + " --steps 2 --seed 18446744073709551615 --out a.bvh --report a.json").status, 0);
+  EXPECT_THAT(ReadFile(Path("a.json")), HasSubstr("\"seed\":18446744073709551615"));
+}
+
+TEST_F(CliTest, SynthesizeGivesTheSameBytesForTheSameSeed) {
+  const std::string command = "synthesize --model " + Model() + " --duration 3 --seed 42 --out ";
+  ASSERT_EQ(Run(command + "a.bvh").status, 0);
+  ASSERT_EQ(Run(command + "b.bvh").status, 0);
+  EXPECT_EQ(ReadFile(Path("a.bvh")), ReadFile(Path("b.bvh")));
+  EXPECT_NEAR(ParseBvh(ReadFile(Path("a.bvh")), "a").frame_count() / 30.0, 3, 0.1);
+}
+
+TEST_F(CliTest, FlagsOutrankTheRequestFile) {
+  folder_.Write("request.json", R"({"model":"walk","steps":2,"seed":1,"style":"slow","output":{"unit":"cm"}})");
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --request request.json --out a.bvh").status, 0);
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --steps 2 --seed 1 --style slow --unit cm --out b.bvh").status, 0);
+  EXPECT_EQ(ReadFile(Path("a.bvh")), ReadFile(Path("b.bvh")));
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --request request.json --duration 4 --style brisk --out c.bvh --report c.json").status, 0);
+  const json report = json::parse(ReadFile(Path("c.json")));
+  EXPECT_EQ(report["style"], "brisk");
+  EXPECT_NEAR(report["duration"], 4, 0.1);
+}
+
+TEST_F(CliTest, CountMakesOneClipASeed) {
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --steps 2 --seed 7 --count 3 --out made/clips --report made/reports").status, 0);
+  EXPECT_THAT(Listing(), ElementsAre("made", "made/clips", "made/clips/000.bvh", "made/clips/001.bvh", "made/clips/002.bvh",
+                                     "made/reports", "made/reports/000.report.json", "made/reports/001.report.json",
+                                     "made/reports/002.report.json"));
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --steps 2 --seed 8 --out one.bvh").status, 0);
+  EXPECT_EQ(ReadFile(Path("made/clips/001.bvh")), ReadFile(Path("one.bvh")));
+}
+
+TEST_F(CliTest, FailuresSayWhereAndLeaveNothingBehind) {
+  folder_.Write("broken.bvh", "HIERARCHY\nROOT hips\n{\n  OFFSET 0 zero 0\n}\n");
+  folder_.Write("empty.bvh", "");
+  folder_.Write("broken.json", "{\"model\": \"walk\",\n \"steps\": }");
+  folder_.Write("later.json", "{\"path\": {}}");
+  folder_.Write("damaged.mgm", ReadFile(shared_->path() / "walk.mgm").substr(0, 1000));
+  const std::string make = "synthesize --model " + Model() + " --seed 1 ";
+  ExpectFailure("inspect nothing.mgm", 1, "nothing.mgm");
+  ExpectFailure("inspect damaged.mgm", 1, "damaged.mgm");
+  ExpectFailure("inspect broken.bvh", 1, "broken.bvh");
+  ExpectFailure("evaluate broken.bvh", 1, "broken.bvh:4:");
+  ExpectFailure("evaluate empty.bvh", 1, "empty.bvh");
+  ExpectFailure("evaluate nowhere.bvh --json", 1, "nowhere.bvh");
+  ExpectFailure("keyframes broken.bvh", 1, "broken.bvh:4:");
+  ExpectFailure("train --data broken.bvh --out m.mgm --quiet", 1, "broken.bvh:4:");
+  ExpectFailure("train --data nowhere --out m.mgm --quiet", 1, "nowhere");
+  ExpectFailure(make + "--request broken.json --out a.bvh", 1, "line 2");
+  ExpectFailure(make + "--request later.json --out a.bvh", 1, "/path");
+  ExpectFailure(make + "--request none.json --out a.bvh", 1, "none.json");
+  ExpectFailure(make + "--steps 2 --style moonwalk --out a.bvh", 1, "brisk");
+  ExpectFailure(make + "--duration 601 --out a.bvh", 1, "600");
+  ExpectFailure(make + "--steps 2 --out missing/a.bvh", 1, "missing/a.bvh");
+  ExpectFailure(make + "--steps 2 --out a.bvh --report missing/a.json", 1, "missing/a.json");
+  ExpectFailure(make + "--steps 2 --count 2 --out new/folder --report broken.json", 1, "broken.json");
+  ExpectFailure("serve --model damaged.mgm --port 0", 1, "damaged.mgm");
+  ExpectFailure("serve --model " + Model() + " --database postgres://x --port 0", 1, "sqlite");
+}
+
+TEST_F(CliTest, AFailureLeavesAnExistingFileWhole) {
+  folder_.Write("a.bvh", "precious");
+  ExpectFailure("synthesize --model " + Model() + " --steps 2 --style moonwalk --out a.bvh", 1, "moonwalk");
+  ExpectFailure("synthesize --model " + Model() + " --steps 2 --out a.bvh --report missing/a.json", 1, "missing");
+  EXPECT_EQ(ReadFile(Path("a.bvh")), "precious");
+}
+
+TEST_F(CliTest, TrainsAModelAndReportsIt) {
+  ASSERT_EQ(Run("train --data " + Data() + " --out a.mgm --jobs 1 --report report --quiet").out, "");
+  const Outcome second = Run("train --data " + Data() + " --out b.mgm --jobs 2");
+  ASSERT_EQ(second.status, 0) << second.err;
+  EXPECT_THAT(second.out, HasSubstr("walk"));
+  EXPECT_THAT(second.err, HasSubstr("reading clips"));          // plain lines where there is no terminal
+  EXPECT_THAT(second.err, ::testing::Not(HasSubstr("\033")));
+  const json report = json::parse(ReadFile(Path("report/training.json")));
+  EXPECT_EQ(report["clips"], 12);
+  EXPECT_GE(report["model"]["primitives"].size(), 4u);
+  // Neither threads nor the file's name are in the model.
+  const json a = json::parse(Run("inspect a.mgm --json").out), b = json::parse(Run("inspect b.mgm --json").out);
+  EXPECT_EQ(a["primitives"], b["primitives"]);
+  EXPECT_EQ(a["edges"], b["edges"]);
+  EXPECT_THAT(Run("inspect a.mgm --dot").out, ::testing::StartsWith("digraph"));
+  EXPECT_THAT(Run("inspect a.mgm").out, HasSubstr("log marginal"));
+}
+
+TEST_F(CliTest, EvaluateGivesOneObjectAClip) {
+  const Outcome one = Run("evaluate " + Clip() + " --json");
+  ASSERT_EQ(one.status, 0) << one.err;
+  const json evaluation = json::parse(one.out);
+  EXPECT_EQ(evaluation["clip"], "walk_brisk_000");
+  EXPECT_TRUE(evaluation["quality"]["contact_distance"].is_number());
+  EXPECT_FALSE(evaluation["contacts"].empty());
+  const Outcome all = Run("evaluate " + Data() + " --json --reference " + Data());
+  ASSERT_EQ(all.status, 0) << all.err;
+  EXPECT_EQ(std::count(all.out.begin(), all.out.end(), '\n'), 12);
+  EXPECT_GE(json::parse(all.out.substr(0, all.out.find('\n')))["reference"]["windows"], 64);
+  EXPECT_THAT(Run("evaluate " + Clip()).out, HasSubstr("walk_brisk_000"));
+}
+
+TEST_F(CliTest, KeyframesAlternate) {
+  const Outcome found = Run("keyframes " + Clip() + " --json");
+  ASSERT_EQ(found.status, 0) << found.err;
+  std::string last;
+  int landings = 0;
+  const json parsed = json::parse(found.out);
+  for (const json& keyframe : parsed["keyframes"]) {
+    const std::string label = keyframe["label"];
+    EXPECT_TRUE(keyframe["frame"].is_number_integer());
+    if (label != "left_stance" && label != "right_stance") continue;
+    EXPECT_NE(label, last);
+    last = label;
+    ++landings;
+  }
+  EXPECT_GE(landings, 12);
+}
+
+TEST_F(CliTest, ServesTheSameBytesThatSynthesizeWritesUntilToldToStop) {
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --duration 3 --seed 42 --out a.bvh").status, 0);
+  const std::string command = "exec '" MORPHOGRAPH_PROGRAM "' serve --port 0 --threads 2 --model " + Model();
+  // A child of our own, so that it can be told to stop by its id.
+  int pipe_ends[2];
+  ASSERT_EQ(::pipe(pipe_ends), 0);
+  const pid_t child = ::fork();
+  ASSERT_GE(child, 0);
+  if (child == 0) {
+    ::dup2(pipe_ends[1], STDOUT_FILENO);
+    ::close(pipe_ends[0]);
+    ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
+    ::_exit(127);
+  }
+  ::close(pipe_ends[1]);
+  std::FILE* told = ::fdopen(pipe_ends[0], "r");
+  char line[256] = {};
+  ASSERT_TRUE(std::fgets(line, sizeof line, told));
+  const std::string first(line);
+  ASSERT_THAT(first, HasSubstr("http://127.0.0.1:"));
+  const int port = std::stoi(first.substr(first.rfind(':') + 1));
+  EXPECT_EQ(testing::Ask(port, "GET", "/readyz").status, 200);
+  const auto clip = testing::Ask(port, "POST", "/v1/clips", "", R"({"model":"walk","seed":42,"duration":3})");
+  EXPECT_EQ(clip.body, ReadFile(Path("a.bvh")));
+  ::kill(child, SIGTERM);
+  int status = -1;
+  ASSERT_EQ(::waitpid(child, &status, 0), child);
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
+  std::fclose(told);
+}
+
+}  // namespace
+}  // namespace morphograph
