@@ -1,5 +1,6 @@
 #include "api/clip_response.h"
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -17,6 +18,27 @@ double Decimals5(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
 
 ordered_json Point(const Eigen::Vector2d& position_m) {
   return ordered_json::array({Decimals5(position_m.x()), Decimals5(position_m.y())});
+}
+
+// A JSON string. BVH is nearly always printable ASCII and line ends, which need no look at each byte's encoding; anything
+// else (a joint's name in another script) is left to the library, at about ten times the cost.
+void AppendString(const std::string& text, std::string* json) {
+  const bool plain = std::all_of(text.begin(), text.end(), [](char c) {
+    return c == '\n' || (c >= ' ' && c < 0x7F && c != '"' && c != '\\');
+  });
+  if (!plain) {
+    *json += nlohmann::json(text).dump(-1, ' ', false, nlohmann::json::error_handler_t::replace);
+    return;
+  }
+  json->reserve(json->size() + text.size() + text.size() / 64);
+  *json += '"';
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    json->append(text, at, end - at);
+    if (end < text.size()) *json += "\\n";
+    at = end + 1;
+  }
+  *json += '"';
 }
 
 }  // namespace
@@ -78,7 +100,7 @@ std::string ReportJson(const SynthesisReport& report) {
 
 std::string ClipJson(const std::string& bvh, const std::string& report_json) {
   std::string json = "{\"bvh\":";
-  json += nlohmann::json(bvh).dump();
+  AppendString(bvh, &json);
   json += ",\"report\":";
   json += report_json;
   json += '}';

@@ -39,6 +39,16 @@ TEST(ClipId, NamesModelAndRequestNotTheModelsName) {
   EXPECT_EQ(ClipId("hash", a).size(), 32u);
 }
 
+TEST(ClipJson, HoldsTheTextWhateverItsBytes) {
+  for (const std::string bvh : {"", "\n", "HIERARCHY\nROOT hips\n\n{\n}", "no line end", "name \"quoted\" \\ here\n",
+                                "tab\there\r\n", "Hüfte\n", "del \x7f\n"}) {
+    const nlohmann::json answer = nlohmann::json::parse(ClipJson(bvh, R"({"seed":1})"));
+    EXPECT_EQ(answer["bvh"], bvh);
+    EXPECT_EQ(answer["report"]["seed"], 1);
+  }
+  EXPECT_NO_THROW(nlohmann::json::parse(ClipJson("not UTF-8 \xff", "{}")));
+}
+
 TEST(ClipFileName, HoldsHarmlessCharactersOnly) {
   EXPECT_EQ(ClipFileName("walk", 42, ".bvh"), "walk-42.bvh");
   EXPECT_EQ(ClipFileName("../a\"\r\nb", 0, ".glb"), "___a___b-0.glb");
