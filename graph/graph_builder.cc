@@ -19,6 +19,8 @@ namespace {
 
 // Steps are sampled at some 30 Hz; more than this only costs time.
 constexpr double kWorkRate_hz = 60;
+// Frame rate at which clips come out unless asked otherwise: what 25 samples over a step and its margins can carry.
+constexpr double kModelRate_hz = 30;
 constexpr int kFewestSteps = 4;   // of a steady kind, to be worth a primitive
 constexpr int kFewestStarts = 2;  // of a start or an end, of which captures hold few
 constexpr int kFewestPairs = 2;
@@ -207,7 +209,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   GraphContents contents;
   contents.name = options.name;
   contents.action = options.action;
-  contents.frame_rate_hz = clips.front().clip.frame_rate_hz();
+  contents.frame_rate_hz = std::min(clips.front().clip.frame_rate_hz(), kModelRate_hz);
   contents.provenance.source = options.source;
   contents.provenance.licence = options.licence;
   contents.provenance.attribution = options.attribution;

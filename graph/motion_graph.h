@@ -45,7 +45,7 @@ struct GraphEdge {
 struct GraphContents {
   std::string name;
   std::string action;
-  double frame_rate_hz = 30;  // of the recordings
+  double frame_rate_hz = 30;  // of clips, unless a request asks otherwise
   ModelProvenance provenance;
   PoseLayout layout;
   std::vector<GraphStyle> styles;

@@ -119,7 +119,10 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
     GaussianProcess process = GaussianProcess::Fit(from.values, left_over);
     model.length_scale = process.kernel().length_scale;
     model.signal_variance = process.kernel().signal_variance;
-    if (process.log_marginal_likelihood() > model.log_marginal_likelihood) {
+    // The process has two parameters more than white noise. Pairs are seldom near each other in fifty dimensions, and a process
+    // that only remembers its few near ones would cost time and give nothing.
+    const double worth = process.log_marginal_likelihood() - model.log_marginal_likelihood;
+    if (worth > options.process_gain * static_cast<double>(left_over.size())) {
       model.log_marginal_likelihood = process.log_marginal_likelihood();
       model.noise_variance = process.kernel().noise_variance;
       residuals = LeaveOneOutResiduals(process, from.values, left_over);

@@ -12,7 +12,8 @@ struct TransitionFitOptions {
   double largest_gain = 0.97;   // singular values of the linear part stay below
   double smallest_noise = 0.02; // eigenvalues of the noise covariance stay above (whitened units)
   double chance_prior = 1.0;    // pseudo-counts of the component chain, spread by the target's component weights
-  int min_pairs_for_process = 20;
+  int min_pairs_for_process = 5;
+  double process_gain = 0.01;   // log likelihood per value that the process must add to what white noise explains
 };
 
 /// Fits a transition to pairs of latents that follow each other in the capture (see TransitionModel).

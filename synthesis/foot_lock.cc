@@ -11,7 +11,9 @@ namespace morphograph {
 namespace {
 
 // How much of a planted point's own rise and fall is taken out. All of it would make stances flatter than any captured one.
-constexpr double kLevelling = 0.4;
+constexpr double kLevelling = 0.5;
+constexpr double kNegligible_m = 1e-6;
+constexpr double kNearlyStraight = 0.985;  // of the leg's length: knees bent by less than some 20 degrees
 
 struct Interval {
   int first, last;
@@ -144,8 +146,9 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
   const int ease = std::max(1, static_cast<int>(std::lround(options.ease_s * clip->frame_rate_hz())));
   const LegIk legs[2] = {LegIk(clip->skeleton(), Foot::kLeft), LegIk(clip->skeleton(), Foot::kRight)};
 
-  Eigen::Matrix3Xd heels[2], balls[2], ankles[2];
+  Eigen::Matrix3Xd hips[2], heels[2], balls[2], ankles[2];
   for (int side = 0; side < 2; ++side) {
+    hips[side].resize(3, frames);
     heels[side].resize(3, frames);
     balls[side].resize(3, frames);
     ankles[side].resize(3, frames);
@@ -155,6 +158,7 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
     ForwardKinematics(clip->skeleton(), clip->rotations(f), clip->root_positions().col(f), &pose);
     for (int side = 0; side < 2; ++side) {
       const int ankle = legs[side].ankle();
+      hips[side].col(f) = pose.positions.col(legs[side].hip());
       ankles[side].col(f) = pose.positions.col(ankle);
       balls[side].col(f) = pose.positions.col(legs[side].toe());
       heels[side].col(f) = pose.positions.col(ankle) + pose.rotations[ankle] * feet.heel_offset_m[side];
@@ -176,6 +180,9 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
     correction.Smooth(options.corner_s * clip->frame_rate_hz());
     for (int f = 0; f < frames; ++f) {
       const Eigen::Vector3d shift = correction.shift().col(f);
+      // Most of every swing needs nothing, unless the leg is so straight that its knee might be bent back.
+      const bool straight = (ankles[side].col(f) - hips[side].col(f)).norm() > kNearlyStraight * legs[side].length_m();
+      if (!straight && shift.squaredNorm() < kNegligible_m * kNegligible_m) continue;
       legs[side].Solve(ankles[side].col(f) + shift, std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
     }
   }
