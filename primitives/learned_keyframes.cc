@@ -3,56 +3,27 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
-#include "datasets/forward_kinematics.h"
 #include "primitives/frame_distance.h"
+#include "primitives/pose_window.h"
 
 namespace morphograph {
 namespace {
 
-constexpr int kWindow = 3;  // poses compared at once
+// A minimum of the distance that is not half as deep as the distance is high around it is no key frame.
+constexpr double kShallow = 0.5;
 
-// The compared joints of every frame, in leg lengths.
-std::vector<Eigen::Matrix3Xd> Poses(const MotionClip& clip) {
-  const std::vector<JointRole>& roles = EvaluationRoles();
-  const std::vector<std::string> missing = clip.skeleton().roles().Missing(roles);
-  const double leg = clip.skeleton().leg_length_m();
-  if (!missing.empty() || !(leg > 0)) {
-    throw std::invalid_argument("LearnedKeyframeDetector: the skeleton of '" + clip.name + "' has no " +
-                                (missing.empty() ? std::string("leg bones") : "joint for " + missing.front()));
+// "left" for "right" and the other way round; empty where the label names no side.
+std::string OtherSide(const std::string& label) {
+  for (const auto& [from, to] : {std::pair<std::string, std::string>{"left", "right"}, {"right", "left"}}) {
+    const size_t at = label.find(from);
+    if (at != std::string::npos) return std::string(label).replace(at, from.size(), to);
   }
-  std::vector<Eigen::Matrix3Xd> poses;
-  poses.reserve(clip.frame_count());
-  for (const Eigen::Matrix3Xd& all : JointPositions(clip)) {
-    Eigen::Matrix3Xd pose(3, static_cast<Eigen::Index>(roles.size()));
-    for (size_t i = 0; i < roles.size(); ++i) {
-      pose.col(static_cast<Eigen::Index>(i)) = all.col(clip.skeleton().roles()[roles[i]]) / leg;
-    }
-    poses.push_back(std::move(pose));
-  }
-  return poses;
-}
-
-// Pose between frames; beyond the ends the last change goes on.
-Eigen::Matrix3Xd PoseAt(const std::vector<Eigen::Matrix3Xd>& poses, double frame) {
-  const int last = static_cast<int>(poses.size()) - 1;
-  if (last == 0) return poses[0];
-  const int a = std::clamp(static_cast<int>(std::floor(frame)), 0, last - 1);
-  return poses[a] + (frame - a) * (poses[a + 1] - poses[a]);
-}
-
-Eigen::Matrix3Xd Window(const std::vector<Eigen::Matrix3Xd>& poses, double frame, double reach_frames) {
-  const Eigen::Index joints = poses[0].cols();
-  Eigen::Matrix3Xd window(3, kWindow * joints);
-  for (int i = 0; i < kWindow; ++i) window.middleCols(i * joints, joints) = PoseAt(poses, frame + (i - 1) * reach_frames);
-  window.row(1).array() -= window.row(1).minCoeff();
-  return window;
-}
-
-Eigen::VectorXd EqualWeights(Eigen::Index points) {
-  return Eigen::VectorXd::Constant(points, 1.0 / static_cast<double>(points));
+  return {};
 }
 
 }  // namespace
@@ -60,153 +31,187 @@ Eigen::VectorXd EqualWeights(Eigen::Index points) {
 LearnedKeyframeDetector::LearnedKeyframeDetector(const std::vector<KeyframeExamples>& examples,
                                                  const LearnedKeyframeOptions& options)
     : options_(options) {
-  std::map<std::string, Kind> kinds;
-  std::vector<std::vector<Eigen::Matrix3Xd>> poses;
+  std::vector<Lesson> lessons;
+  std::set<std::string> labels;
   for (size_t c = 0; c < examples.size(); ++c) {
-    poses.push_back(Poses(*examples[c].clip));
-    const double rate = examples[c].clip->frame_rate_hz();
-    std::map<std::string, int> previous;
+    const MotionClip& clip = *examples[c].clip;
+    Lesson lesson{static_cast<int>(c), Measure(ScaledPoses(clip), clip.frame_rate_hz()), {}};
     for (const LabelledFrame& labelled : examples[c].labels) {
-      if (labelled.frame < 0 || labelled.frame >= examples[c].clip->frame_count() || labelled.doubtful) continue;
-      Kind& kind = kinds[labelled.label];
-      if (kind.label.empty()) kind.spacing_s = std::numeric_limits<double>::infinity();
-      kind.label = labelled.label;
-      kind.examples.push_back({Window(poses[c], labelled.frame, options_.window_s * rate), static_cast<int>(c)});
-      const auto before = previous.find(labelled.label);
-      if (before != previous.end()) {
-        kind.spacing_s = std::min(kind.spacing_s, options_.spacing * (labelled.frame - before->second) / rate);
-      }
-      previous[labelled.label] = labelled.frame;
+      if (labelled.frame < 0 || labelled.frame >= clip.frame_count() || labelled.doubtful) continue;
+      lesson.frames[labelled.label].push_back(labelled.frame);
+      labels.insert(labelled.label);
     }
+    lessons.push_back(std::move(lesson));
   }
-  if (kinds.empty()) throw std::invalid_argument("LearnedKeyframeDetector: no labelled frame in any example clip");
-  for (auto& [label, kind] : kinds) {
-    if (!std::isfinite(kind.spacing_s)) kind.spacing_s = 0;
-    kind.threshold = std::numeric_limits<double>::infinity();
-    kinds_.push_back(std::move(kind));
+  if (labels.empty()) throw std::invalid_argument("LearnedKeyframeDetector: no labelled frame in any example clip");
+  for (size_t c = 0; c < examples.size(); ++c) {
+    std::map<std::string, std::vector<double>> swapped;
+    for (const auto& [label, frames] : lessons[c].frames) {
+      // A side that nobody marked may be meant to stay unmarked.
+      const std::string other = OtherSide(label);
+      if (labels.count(other)) swapped[other] = frames;
+    }
+    if (swapped.empty()) continue;
+    lessons.push_back({lessons[c].clip, Measure(MirroredPoses(lessons[c].features.poses), lessons[c].features.rate_hz), swapped});
   }
-  SetThresholds(examples, poses);
+  SetKinds(lessons);
+  SetWeights(lessons);
+  SetThreshold(examples, lessons);
 }
 
-std::vector<LearnedKeyframeDetector::Candidate> LearnedKeyframeDetector::Candidates(
-    const std::vector<Eigen::Matrix3Xd>& poses, double rate_hz, int without_clip) const {
-  if (poses.empty()) return {};
+LearnedKeyframeDetector::Features LearnedKeyframeDetector::Measure(std::vector<Eigen::Matrix3Xd> poses, double rate_hz) {
+  Features features{rate_hz, std::move(poses), {}};
+  features.signals = CueSignals(features.poses, rate_hz);
+  return features;
+}
+
+void LearnedKeyframeDetector::SetKinds(const std::vector<Lesson>& lessons) {
+  std::map<std::string, Kind> kinds;
+  std::map<std::string, std::vector<CueExample>> cue_examples;
+  for (const Lesson& lesson : lessons) {
+    const double rate = lesson.features.rate_hz;
+    for (const auto& [label, frames] : lesson.frames) {
+      Kind& kind = kinds[label];
+      if (kind.label.empty()) kind.spacing_s = std::numeric_limits<double>::infinity();
+      kind.label = label;
+      for (size_t i = 0; i < frames.size(); ++i) {
+        kind.examples.push_back(PoseWindow(lesson.features.poses, frames[i], options_.window_s * rate));
+        kind.clips.push_back(lesson.clip);
+        if (i > 0) kind.spacing_s = std::min(kind.spacing_s, options_.spacing * (frames[i] - frames[i - 1]) / rate);
+      }
+      cue_examples[label].push_back({&lesson.features.signals, rate, frames});
+    }
+  }
+  for (auto& [label, kind] : kinds) {
+    if (!std::isfinite(kind.spacing_s)) kind.spacing_s = 0;
+    kind.cues = LearnTimingCues(cue_examples[label], options_.cue_reach_s, options_.cues);
+    kinds_.push_back(std::move(kind));
+  }
+}
+
+void LearnedKeyframeDetector::SetWeights(const std::vector<Lesson>& lessons) {
+  std::vector<Eigen::Matrix3Xd> all;
+  for (const Lesson& lesson : lessons) {
+    const Features& clip = lesson.features;
+    const double stride = std::max(1.0, clip.rate_hz / options_.search_rate_hz);
+    for (double frame = 0; frame < static_cast<double>(clip.poses.size()); frame += stride) {
+      all.push_back(PoseWindow(clip.poses, frame, options_.window_s * clip.rate_hz));
+    }
+  }
+  std::vector<std::vector<Eigen::Matrix3Xd>> kinds;
+  for (const Kind& kind : kinds_) kinds.push_back(kind.examples);
+  weights_ = DiscriminantWeights(kinds, all);
+}
+
+std::vector<LearnedKeyframeDetector::Candidate> LearnedKeyframeDetector::Candidates(const Features& clip,
+                                                                                    int without_clip) const {
+  if (clip.poses.empty()) return {};
+  const double rate_hz = clip.rate_hz;
   const double reach = options_.window_s * rate_hz;
-  const double last = static_cast<double>(poses.size()) - 1;
+  const double last = static_cast<double>(clip.poses.size()) - 1;
   const double stride = std::max(1.0, rate_hz / options_.search_rate_hz);
   std::vector<Eigen::Matrix3Xd> windows;
-  // Only where the whole window lies in the clip: at the ends a minimum cannot be told from a slope.
-  const double first = reach, end = last - reach;
-  for (double frame = first; frame <= end; frame += stride) windows.push_back(Window(poses, frame, reach));
-  if (windows.empty()) return {};
-  const int count = static_cast<int>(windows.size());
+  for (double frame = 0; frame <= last; frame += stride) windows.push_back(PoseWindow(clip.poses, frame, reach));
+    const int count = static_cast<int>(windows.size());
   const int kinds = static_cast<int>(kinds_.size());
-  const Eigen::VectorXd weights = EqualWeights(windows[0].cols());
 
   Eigen::MatrixXd nearest = Eigen::MatrixXd::Constant(kinds, count, std::numeric_limits<double>::infinity());
-  std::vector<std::vector<Eigen::Matrix3Xd>> used(kinds);
   for (int k = 0; k < kinds; ++k) {
-    for (const Example& example : kinds_[k].examples) {
-      if (example.clip != without_clip) used[k].push_back(example.points);
+    std::vector<Eigen::Matrix3Xd> used;
+    for (size_t e = 0; e < kinds_[k].examples.size(); ++e) {
+      if (kinds_[k].clips[e] != without_clip) used.push_back(kinds_[k].examples[e]);
     }
-    if (!used[k].empty()) nearest.row(k) = FrameDistanceMatrix(used[k], windows, weights).colwise().minCoeff();
+    if (!used.empty()) nearest.row(k) = FrameDistanceMatrix(used, windows, weights_).colwise().minCoeff();
   }
-  const auto distance = [&](int kind, double frame) {
-    const std::vector<Eigen::Matrix3Xd> window = {Window(poses, frame, reach)};
-    return FrameDistanceMatrix(used[kind], window, weights).minCoeff();
-  };
 
   std::vector<Candidate> candidates;
   for (int k = 0; k < kinds; ++k) {
     const auto row = nearest.row(k);
-    for (int i = 0; i < count; ++i) {
-      if (i == 0 || i + 1 == count || !(row[i] < row[i - 1]) || !(row[i] <= row[i + 1])) continue;
-      if (!std::isfinite(row[i]) || nearest.col(i).minCoeff() < row[i]) continue;
-      // Refined in halves around the coarse minimum, then by a parabola.
-      double frame = first + i * stride, best = row[i];
-      for (double step = stride / 2; step >= 0.5; step /= 2) {
-        for (const double at : {frame - step, frame + step}) {
-          if (at < first || at > end) continue;
-          const double d = distance(k, at);
-          if (d < best) {
-            best = d;
-            frame = at;
-          }
-        }
-      }
-      const double step = std::max(0.5, stride / 4);
-      if (frame - step >= first && frame + step <= end) {
-        const double before = distance(k, frame - step), after = distance(k, frame + step);
-        const double curvature = before - 2 * best + after;
-        if (curvature > 0) frame += std::clamp(0.5 * (before - after) / curvature, -1.0, 1.0) * step;
-      }
-      candidates.push_back({frame, k, best});
+    const double around_s = kinds_[k].spacing_s > 0 ? kinds_[k].spacing_s / options_.spacing : last / rate_hz;
+    const int around = static_cast<int>(std::ceil(around_s * rate_hz / stride));
+    for (int i = 1; i + 1 < count; ++i) {
+      if (!std::isfinite(row[i]) || !(row[i] < row[i - 1]) || !(row[i] <= row[i + 1])) continue;
+      if (nearest.col(i).minCoeff() < row[i]) continue;
+      const double shift = 0.5 * (row[i - 1] - row[i + 1]) / (row[i - 1] - 2 * row[i] + row[i + 1]);  // vertex of a parabola
+      const int from = std::max(0, i - around), to = std::min(count - 1, i + around);
+      candidates.push_back({(i + shift) * stride, k, row[i] / row.segment(from, to - from + 1).maxCoeff()});
     }
   }
-  // Of two of a kind that are too close the nearer to the examples stays.
+  DropCrowded(rate_hz, &candidates);
+  for (Candidate& candidate : candidates) {
+    const std::optional<double> refined =
+        RefineByCues(kinds_[candidate.kind].cues, clip.signals, rate_hz, candidate.frame, options_.cue_reach_s);
+    if (refined) candidate.frame = *refined;
+  }
+  // A key frame shows more in what follows it than in what comes before: of its window half of the part before and all of the part
+  // after must be in the clip.
+  std::erase_if(candidates, [&](const Candidate& candidate) {
+    return candidate.frame < 0.5 * reach || candidate.frame > last - reach;
+  });
   std::stable_sort(candidates.begin(), candidates.end(),
-                   [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+                   [](const Candidate& a, const Candidate& b) { return a.frame < b.frame; });
+  return candidates;
+}
+
+// Of two of a kind that are too close the nearer to the examples stays.
+void LearnedKeyframeDetector::DropCrowded(double rate_hz, std::vector<Candidate>* candidates) const {
+  std::stable_sort(candidates->begin(), candidates->end(),
+                   [](const Candidate& a, const Candidate& b) { return a.depth < b.depth; });
   std::vector<Candidate> kept;
-  for (const Candidate& candidate : candidates) {
+  for (const Candidate& candidate : *candidates) {
     const double spacing = kinds_[candidate.kind].spacing_s * rate_hz;
     const bool crowded = std::any_of(kept.begin(), kept.end(), [&](const Candidate& other) {
       return other.kind == candidate.kind && std::abs(other.frame - candidate.frame) < spacing;
     });
     if (!crowded) kept.push_back(candidate);
   }
-  std::stable_sort(kept.begin(), kept.end(), [](const Candidate& a, const Candidate& b) { return a.frame < b.frame; });
-  return kept;
+  *candidates = std::move(kept);
 }
 
-void LearnedKeyframeDetector::SetThresholds(const std::vector<KeyframeExamples>& examples,
-                                            const std::vector<std::vector<Eigen::Matrix3Xd>>& poses) {
+void LearnedKeyframeDetector::SetThreshold(const std::vector<KeyframeExamples>& examples, const std::vector<Lesson>& lessons) {
   const bool several = std::any_of(examples.begin() + 1, examples.end(),
                                    [](const KeyframeExamples& clip) { return !clip.labels.empty(); });
-  std::vector<std::vector<std::pair<double, bool>>> judged(kinds_.size());  // distance, is a key frame
+  if (!several) {
+    // One clip cannot be judged by others: every example would find itself.
+    threshold_ = 0.5 * kShallow;
+    return;
+  }
+  std::vector<std::pair<double, bool>> judged;  // depth, is a key frame
+  double wanted = 0;
   for (size_t c = 0; c < examples.size(); ++c) {
-    const double rate = examples[c].clip->frame_rate_hz();
-    for (const Candidate& candidate : Candidates(poses[c], rate, several ? static_cast<int>(c) : -1)) {
+    const double rate = lessons[c].features.rate_hz;
+    for (const LabelledFrame& labelled : examples[c].labels) wanted += labelled.doubtful ? 0 : 1;
+    for (const Candidate& candidate : Candidates(lessons[c].features, static_cast<int>(c))) {
       bool right = false, doubtful = false;
       for (const LabelledFrame& labelled : examples[c].labels) {
         if (labelled.label != kinds_[candidate.kind].label) continue;
         if (std::abs(labelled.frame - candidate.frame) > options_.tolerance_s * rate) continue;
         (labelled.doubtful ? doubtful : right) = true;
       }
-      if (right || !doubtful) judged[candidate.kind].push_back({candidate.distance, right});
+      if (right || !doubtful) judged.push_back({candidate.depth, right});
     }
   }
-  for (size_t k = 0; k < kinds_.size(); ++k) {
-    std::stable_sort(judged[k].begin(), judged[k].end());
-    const double wanted = static_cast<double>(kinds_[k].examples.size());
-    double right = 0, best_score = -1, best = 0;
-    for (size_t i = 0; i < judged[k].size(); ++i) {
-      right += judged[k][i].second ? 1 : 0;
-      const double f1 = 2 * right / (static_cast<double>(i + 1) + wanted);
-      if (f1 < best_score || !judged[k][i].second) continue;
-      best_score = f1;
-      // Half-way to the next wrong one, or twice as far where there is none.
-      const auto wrong = std::find_if(judged[k].begin() + static_cast<std::ptrdiff_t>(i), judged[k].end(),
-                                      [](const std::pair<double, bool>& entry) { return !entry.second; });
-      const double here = judged[k][i].first;
-      best = wrong == judged[k].end() ? 2 * here : 0.5 * (here + std::min(wrong->first, 3 * here));
-    }
-    kinds_[k].threshold = best;
+  std::stable_sort(judged.begin(), judged.end());
+  double right = 0, best_score = -1;
+  for (size_t i = 0; i < judged.size(); ++i) {
+    if (!judged[i].second) continue;
+    const double f1 = 2 * ++right / (static_cast<double>(i + 1) + wanted);
+    if (f1 < best_score) continue;
+    best_score = f1;
+    const auto wrong = std::find_if(judged.begin() + static_cast<std::ptrdiff_t>(i), judged.end(),
+                                    [](const std::pair<double, bool>& entry) { return !entry.second; });
+    // Half-way to the next wrong one, on the scale of ratios.
+    const double here = judged[i].first;
+    threshold_ = std::sqrt(here * std::max(here, wrong == judged.end() ? kShallow : std::min(kShallow, wrong->first)));
   }
 }
 
 std::vector<LearnedKeyframe> LearnedKeyframeDetector::Detect(const MotionClip& clip) const {
   std::vector<LearnedKeyframe> found;
-  for (const Candidate& candidate : Candidates(Poses(clip), clip.frame_rate_hz(), -1)) {
-    const Kind& kind = kinds_[candidate.kind];
-    if (candidate.distance <= kind.threshold) found.push_back({candidate.frame, kind.label, candidate.distance});
+  for (const Candidate& candidate : Candidates(Measure(ScaledPoses(clip), clip.frame_rate_hz()), -1)) {
+    if (candidate.depth <= threshold_) found.push_back({candidate.frame, kinds_[candidate.kind].label, candidate.depth});
   }
   return found;
-}
-
-std::map<std::string, double> LearnedKeyframeDetector::thresholds() const {
-  std::map<std::string, double> thresholds;
-  for (const Kind& kind : kinds_) thresholds[kind.label] = kind.threshold;
-  return thresholds;
 }
 
 std::vector<Keyframe> WalkingKeyframes(const std::vector<LearnedKeyframe>& found) {

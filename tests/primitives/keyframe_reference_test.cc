@@ -1,8 +1,13 @@
 // Contacts and feature-based key frames against the kinematic reference that comes with the recordings.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
+
 #include "datasets/contact_detector.h"
 #include "datasets/errors.h"
+#include "datasets/synthetic_gait.h"
+#include "primitives/keyframe_cues.h"
 #include "primitives/keyframe_detector.h"
 #include "primitives/learned_keyframes.h"
 #include "tests/support/labelled_clips.h"
@@ -51,19 +56,112 @@ TEST_P(Reference, FeatureKeyframesFindTheStrikes) {
   EXPECT_LE(score.distortion_s(), 0.025);
 }
 
-TEST(LearnedReference, HalfOfTheClipsTeachTheOtherHalf) {
+KeyframeExamples Strikes(const LabelledClip& labelled) {
+  KeyframeExamples examples{&labelled.clip, labelled.labels};
+  std::erase_if(examples.labels, [](const LabelledFrame& label) { return !label.label.ends_with("_strike"); });
+  for (LabelledFrame& label : examples.labels) label.frame -= labelled.dropped_frames;
+  return examples;
+}
+
+KeyframeScore Judge(const LearnedKeyframeDetector& detector, const LabelledClip& labelled) {
+  const double rate = labelled.clip.frame_rate_hz();
+  return EvaluateKeyframes(WalkingKeyframes(detector.Detect(labelled.clip)), labelled.reference, testing::StanceLabels(), rate,
+                           testing::StrikeToleranceS(rate));
+}
+
+struct LearnedBar {
+  const char* set;
+  double precision, extraction_rate;
+};
+
+class LearnedReference : public ::testing::TestWithParam<LearnedBar> {};
+
+TEST_P(LearnedReference, EachHalfOfTheClipsTeachesTheOther) {
   MORPHOGRAPH_REQUIRE_SHARED_DATA();
-  const std::vector<LabelledClip> clips = testing::ReadLabelledClips(testing::SharedData(), "bnr");
+  const std::vector<LabelledClip> clips = testing::ReadLabelledClips(testing::SharedData(), GetParam().set);
+  KeyframeScore score;
+  for (size_t half = 0; half < 2; ++half) {
+    std::vector<KeyframeExamples> examples;
+    for (size_t i = half; i < clips.size(); i += 2) examples.push_back(Strikes(clips[i]));
+    const LearnedKeyframeDetector detector(examples);
+    for (size_t i = 1 - half; i < clips.size(); i += 2) score += Judge(detector, clips[i]);
+  }
+  EXPECT_GE(score.precision(), GetParam().precision);
+  EXPECT_GE(score.extraction_rate(), GetParam().extraction_rate);
+  EXPECT_LE(score.distortion_s(), 0.02);
+}
+
+INSTANTIATE_TEST_SUITE_P(Sets, LearnedReference, ::testing::Values(LearnedBar{"cmu", 0.96, 0.96}, LearnedBar{"bnr", 0.97, 0.97}),
+                         [](const auto& suite) { return std::string(suite.param.set); });
+
+TEST(LearnedKeyframes, ExamplesOfOneCaptureServeAnother) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const std::vector<LabelledClip> taught = testing::ReadLabelledClips(testing::SharedData(), "bnr");
   std::vector<KeyframeExamples> examples;
-  for (size_t i = 0; i < clips.size(); i += 2) examples.push_back({&clips[i].clip, clips[i].labels});
+  for (size_t i = 0; i < taught.size(); i += 4) examples.push_back(Strikes(taught[i]));
   const LearnedKeyframeDetector detector(examples);
   KeyframeScore score;
-  for (size_t i = 1; i < clips.size(); i += 2) {
-    score += EvaluateKeyframes(WalkingKeyframes(detector.Detect(clips[i].clip)), clips[i].reference,
-                               testing::StanceLabels(), 30, testing::StrikeToleranceS(30));
+  for (const LabelledClip& clip : testing::ReadLabelledClips(testing::SharedData(), "cmu")) score += Judge(detector, clip);
+  EXPECT_GE(score.precision(), 0.93);
+  EXPECT_GE(score.extraction_rate(), 0.93);
+}
+
+TEST(LearnedKeyframes, OneSideTeachesTheOtherInTheMirrorAndSlowWalksAreNotEarly) {
+  SyntheticGaitOptions options;
+  options.speed_m_s = 1.5;
+  options.steps = 10;
+  const auto labels = [](const SyntheticGaitOptions& made, const SyntheticGaitTruth& truth) {
+    std::vector<LabelledFrame> frames;
+    for (const SyntheticGaitTruth::Strike& strike : truth.strikes) {
+      frames.push_back({static_cast<int>(std::lround(strike.time_s * made.frame_rate_hz)),
+                        strike.foot == Foot::kLeft ? "left_strike" : "right_strike"});
+    }
+    return frames;
+  };
+  SyntheticGaitTruth truth;
+  const MotionClip taught = GenerateGait(options, &truth);
+  std::vector<LabelledFrame> marked = labels(options, truth);
+  // Of the right side a single example in the middle of the walk: it names the side, the mirror does the rest.
+  const auto right = std::find_if(marked.begin() + 4, marked.end(), [](const auto& frame) { return frame.label == "right_strike"; });
+  ASSERT_NE(right, marked.end());
+  const LabelledFrame kept = *right;
+  std::erase_if(marked, [](const LabelledFrame& frame) { return frame.label == "right_strike"; });
+  marked.push_back(kept);
+  std::sort(marked.begin(), marked.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  const LearnedKeyframeDetector detector({{&taught, marked}});
+
+  options.speed_m_s = 1.0;
+  const MotionClip slow = GenerateGait(options, &truth);
+  int found = 0, judged = 0;
+  const std::vector<LearnedKeyframe> keyframes = detector.Detect(slow);
+  const std::vector<LabelledFrame> wanted = labels(options, truth);
+  for (size_t i = 2; i + 2 < wanted.size(); ++i) {  // the steady middle
+    ++judged;
+    found += std::any_of(keyframes.begin(), keyframes.end(), [&](const LearnedKeyframe& keyframe) {
+      return keyframe.label == wanted[i].label && std::abs(keyframe.frame - wanted[i].frame) <= 0.05 * options.frame_rate_hz;
+    });
   }
-  EXPECT_GE(score.precision(), 0.97);
-  EXPECT_GE(score.extraction_rate(), 0.97);
+  EXPECT_GE(judged, 5);
+  EXPECT_EQ(found, judged);
+}
+
+TEST(TimingCues, FindTheOffsetAndPreferTheSteadySignal) {
+  // Row 0 peaks 4 frames before every label, row 1 at places that have nothing to do with them.
+  const double rate = 100;
+  Eigen::MatrixXd signals(2, 400);
+  std::vector<double> frames;
+  for (int f = 0; f < 400; ++f) {
+    signals(0, f) = std::cos(2 * 3.14159265358979 * (f - 46) / 100.0);
+    signals(1, f) = std::cos(2 * 3.14159265358979 * (f - 10) / 37.0);
+  }
+  for (int f = 50; f < 400; f += 100) frames.push_back(f);
+  const std::vector<TimingCue> cues = LearnTimingCues({{&signals, rate, frames}}, 0.15, 1);
+  ASSERT_EQ(cues.size(), 1u);
+  EXPECT_EQ(cues[0].signal, 0);
+  EXPECT_TRUE(cues[0].maximum);
+  EXPECT_NEAR(cues[0].offset_s, 0.04, 1e-3);
+  EXPECT_NEAR(RefineByCues(cues, signals, rate, 140, 0.15).value(), 150, 0.1);
+  EXPECT_FALSE(RefineByCues(cues, signals, rate, 200, 0.15).has_value());  // no turning point near
 }
 
 TEST(KeyframeLabels, SaysWhatIsWrong) {
