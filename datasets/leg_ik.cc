@@ -85,10 +85,12 @@ LegIk::Chain LegIk::Follow(const Vector3d& root_m, const Quaterniond* rotations)
   const Vector3d leg = (chain.ankle_m - chain.hip_m).stableNormalized();
   const Vector3d foot = (chain.toe_m - chain.ankle_m).stableNormalized();
   const Vector3d across = (rotations[root_] * root_across_).stableNormalized();
-  // Down x backwards points to the left of the body, as does across.
-  Vector3d told = foot.cross(leg) + kPelvisWeight * (across - across.dot(leg) * leg);
+  const Vector3d shin = (chain.ankle_m - chain.knee_m).stableNormalized();
+  // Forwards x down points to the left of the body, as does across. The foot is held against the shin, which it leaves forwards
+  // however far it is stretched; against the line from hip to ankle it would point backwards late in a high swing.
+  Vector3d told = foot.cross(shin) + kPelvisWeight * (across - across.dot(leg) * leg);
   told = told.stableNormalized();
-  Vector3d shown = (chain.knee_m - chain.hip_m).stableNormalized().cross((chain.ankle_m - chain.knee_m).stableNormalized());
+  Vector3d shown = (chain.knee_m - chain.hip_m).stableNormalized().cross(shin);
   chain.signed_bend_sine = shown.dot(told);
   shown += std::max(0.0, kClearBendSine - chain.signed_bend_sine) * told;
   chain.hinge = shown.stableNormalized();

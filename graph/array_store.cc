@@ -71,7 +71,13 @@ nlohmann::json ArrayWriter::Shorts(const Eigen::MatrixXf& matrix) {
   nlohmann::json descriptor = Descriptor(matrix.rows(), matrix.cols(), "i16");
   for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
     const float largest = matrix.rows() > 0 ? matrix.col(c).cwiseAbs().maxCoeff() : 0;
-    const float scale = largest > 0 ? largest / kLargestShort : 1;
+    // A power of two: products are then exact, and what was read is written again to the same bytes.
+    float scale = 1;
+    if (largest > 0) {
+      int exponent = 0;
+      std::frexp(largest / kLargestShort, &exponent);
+      scale = std::ldexp(1.0f, exponent);
+    }
     Append(scale);
     for (Eigen::Index r = 0; r < matrix.rows(); ++r) {
       Append(static_cast<std::int16_t>(std::lround(matrix(r, c) / scale)));

@@ -9,7 +9,7 @@ namespace morphograph {
 
 /// Collects matrices for a model file: little-endian, column-major, one after the other; JSON descriptors say where.
 ///
-/// A descriptor is {"at": byte offset, "rows": r, "cols": c, "type": "f64" | "f32" | "i16"}. Of "i16", a column is its scale as f32
+/// A descriptor is {"at": byte offset, "rows": r, "cols": c, "type": "f64" | "f32" | "i16"}. Of "i16", a column is its scale as f32, a power of two
 /// (value = integer * scale), the r integers, and the columns follow each other; used where 15 bits of the largest value are plenty.
 class ArrayWriter {
  public:

@@ -4,6 +4,7 @@
 #include <zstd.h>
 
 #include <array>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 #include <new>
@@ -156,8 +157,9 @@ GraphStyle StyleFromJson(const json& value, const ArrayReader& arrays) {
     throw std::runtime_error("a style has arrays of the wrong size");
   }
   for (Eigen::Index j = 0; j < rotations.cols(); ++j) {
-    style.mean_rotations.push_back(
-        Eigen::Quaterniond(rotations(0, j), rotations(1, j), rotations(2, j), rotations(3, j)).normalized());
+    const Eigen::Quaterniond rotation(rotations(0, j), rotations(1, j), rotations(2, j), rotations(3, j));
+    if (std::abs(rotation.norm() - 1) > 1e-9) throw std::runtime_error("a mean rotation is not a unit quaternion");
+    style.mean_rotations.push_back(rotation);
   }
   for (int side = 0; side < 2; ++side) {
     style.feet.heel_offset_m[side] = heels.col(side);

@@ -98,6 +98,11 @@ FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips) {
     feet.heel_height_m[side] = Median(heel_heights);
     feet.ball_height_m[side] = Median(ball_heights);
   }
+  // The floor is one for both feet: where bones of left and right differ, the legs make up for it.
+  for (double* heights : {feet.heel_height_m, feet.ball_height_m}) {
+    const double mean = (heights[0] + heights[1]) / 2;
+    heights[0] = heights[1] = mean;
+  }
   return feet;
 }
 

@@ -45,7 +45,9 @@ GaussianMixture::GaussianMixture(std::vector<MixtureComponent> components) : com
       throw std::invalid_argument(name + " holds values that are not finite");
     log_weights[k] = component.log_weight;
   }
-  const double total = LogSumExp(log_weights);
+  double total = LogSumExp(log_weights);
+  // Weights that sum to 1 stay as they are, to the last bit: a stored mixture comes back the same.
+  if (std::abs(total) < 1e-12) total = 0;
   if (!std::isfinite(total)) throw std::invalid_argument("GaussianMixture: the weights do not have a finite positive sum");
   for (MixtureComponent& component : components_) {
     component.log_weight -= total;

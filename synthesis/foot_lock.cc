@@ -92,6 +92,14 @@ class FootCorrection {
     }
   }
 
+  // Lifts a foot wherever heel or ball would dip below the floor, y = 0.
+  void KeepAboveFloor() {
+    for (int f = 0; f < shift_.cols(); ++f) {
+      const double lowest = std::min(heels_(1, f), balls_(1, f)) + shift_(1, f);
+      if (lowest < 0) shift_(1, f) -= lowest;
+    }
+  }
+
   // Rounds the corners where holds begin, end and change over: a kink in a shift is a kick in the leg's acceleration.
   void Smooth(double sigma_frames) {
     const int reach = static_cast<int>(std::ceil(2.5 * sigma_frames));
@@ -177,6 +185,7 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
     for (size_t i = 0; i <= stances.size(); ++i) {
       correction.EaseBetween(i > 0 ? &stances[i - 1] : nullptr, i < stances.size() ? &stances[i] : nullptr, ease);
     }
+    correction.KeepAboveFloor();
     correction.Smooth(options.corner_s * clip->frame_rate_hz());
     for (int f = 0; f < frames; ++f) {
       const Eigen::Vector3d shift = correction.shift().col(f);
