@@ -184,7 +184,7 @@ MirrorMap FindMirrorMap(const MotionClip& clip) {
     const std::optional<Matrix3d> aligned = AxisAligned(bones, match, midline);
     const Matrix3d nearest = NearestImproper(match);
     map.turns[j] = aligned ? *aligned : midline ? NearestReflection(nearest) : nearest;
-    map.turns[other] = map.turns[j].transpose();
+    map.turns[other] = map.turns[j].transpose().eval();  // both are one on the midline
   }
   return map;
 }
