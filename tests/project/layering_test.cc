@@ -4,7 +4,9 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <map>
 #include <optional>
+#include <set>
 
 #include "tests/project/source_tree.h"
 
@@ -29,6 +31,39 @@ std::optional<std::size_t> Layer(std::string_view path) {
 bool IsHttp(std::string_view include) { return include == "httplib.h" || include.starts_with("boost/beast"); }
 bool IsSolver(std::string_view include) { return include.starts_with("ceres/"); }
 bool IsPrivate(std::string_view path) { return path.find("/internal/") != std::string_view::npos; }
+
+// What comes with a precompiled header, by the name that a file uses of it and how the including line starts.
+struct Library {
+  std::string_view name, include;
+};
+constexpr std::array<Library, 2> kPrecompiled = {{{"Eigen::", "Eigen/"}, {"nlohmann::", "nlohmann/"}}};
+
+bool Reaches(const std::map<std::string, const SourceFile*>& by_path, const SourceFile& file, std::string_view library,
+             std::set<std::string>& seen) {
+  for (const std::string& include : Includes(file.text)) {
+    if (include.starts_with(library)) return true;
+    const auto found = by_path.find(include);
+    if (found != by_path.end() && seen.insert(include).second && Reaches(by_path, *found->second, library, seen)) return true;
+  }
+  return false;
+}
+
+// A sentence for each library that a file uses without including it, itself or through others. The compiler would not
+// notice where a precompiled header brings it.
+std::vector<std::string> Unincluded(const std::vector<SourceFile>& files) {
+  std::map<std::string, const SourceFile*> by_path;
+  for (const SourceFile& file : files) by_path[file.path] = &file;
+  std::vector<std::string> problems;
+  for (const SourceFile& file : files) {
+    if (file.path.starts_with("tests/project/")) continue;  // the names in this file are strings
+    for (const Library& library : kPrecompiled) {
+      std::set<std::string> seen;
+      if (file.text.find(library.name) == std::string::npos || Reaches(by_path, file, library.include, seen)) continue;
+      problems.push_back(file.path + " uses " + std::string(library.name) + " without " + std::string(library.include));
+    }
+  }
+  return problems;
+}
 
 // One sentence for each rule that `file` breaks.
 std::vector<std::string> Problems(const SourceFile& file) {
@@ -78,6 +113,14 @@ TEST(Layering, EverySourceIncludesItsOwnHeaderFirst) {
     ASSERT_FALSE(includes.empty()) << file.path;
     EXPECT_EQ(includes.front(), header) << file.path;
   }
+}
+
+TEST(Layering, NothingRestsOnThePrecompiledHeader) {
+  EXPECT_THAT(Unincluded(SourceFiles()), IsEmpty());
+  EXPECT_THAT(Unincluded({{"graph/a.h", "Eigen::VectorXd v;"}}), ElementsAre("graph/a.h uses Eigen:: without Eigen/"));
+  EXPECT_THAT(Unincluded({{"graph/a.h", "#include \"graph/b.h\"\nEigen::VectorXd v;"},
+                          {"graph/b.h", "#include \"graph/a.h\"\n#include <Eigen/Core>\n"}}),
+              IsEmpty());
 }
 
 TEST(Layering, EveryHeaderHasAGuard) {
