@@ -1,41 +1,51 @@
 #include "api/server.h"
 
+#include <fcntl.h>
+#include <httplib.h>
+#include <netdb.h>
+#include <netinet/in.h>
+#include <netinet/tcp.h>
+#include <sys/socket.h>
+#include <unistd.h>
+
 #include <algorithm>
 #include <array>
-#include <boost/asio/executor_work_guard.hpp>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/asio/post.hpp>
-#include <boost/asio/signal_set.hpp>
-#include <boost/asio/steady_timer.hpp>
-#include <boost/asio/thread_pool.hpp>
-#include <boost/asio/write.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/http.hpp>
+#include <atomic>
+#include <cerrno>
+#include <condition_variable>
 #include <csignal>
 #include <cstdio>
 #include <ctime>
-#include <limits>
+#include <mutex>
 #include <optional>
 #include <set>
+#include <stdexcept>
+#include <system_error>
 #include <thread>
 
 #include "api/error_mapping.h"
+#include "api/internal/connection_threads.h"
+#include "api/internal/http_head.h"
+#include "api/internal/socket_stream.h"
+#include "api/internal/worker_slots.h"
+
+// cpp-httplib accepts connections, parses and dispatches requests, reads bodies and writes answers. What it leaves
+// open is closed before it sees a byte: this file reads each head itself, bounded in size and time, refuses what must
+// be refused, and then lets the library's process_request() read a short head of its own making (method, "/", length)
+// and behind it exactly the body's bytes. So none of these come into play: lines without bound, regular expressions
+// over what clients send (routes, Range, multipart), bodies that are chunked, have no length, are compressed or stay
+// on the socket to be read as the next request, answers compressed unasked, select() on high descriptors. The
+// listening socket is ours as well: no SO_REUSEPORT, by which two servers would share a port unnoticed, and a longer
+// backlog than 5.
 
 namespace morphograph {
 
-namespace asio = boost::asio;
-namespace beast = boost::beast;
-namespace http = boost::beast::http;
-using tcp = boost::asio::ip::tcp;
 using Clock = std::chrono::steady_clock;
 
 namespace {
 
-constexpr std::size_t kMaxHead = 16 * 1024;         // request line and headers
-constexpr std::size_t kMaxTarget = 8 * 1024;
-constexpr std::size_t kSmallBody = 1 << 20;         // up to here a body counts no budget
-constexpr std::chrono::seconds kLinger{5};          // for reading what a refused client still sends
+constexpr std::size_t kSmallBody = 1 << 20;  // up to here a body counts no budget
+constexpr std::chrono::seconds kLinger{5};   // for reading what a refused client still sends
 constexpr std::string_view kNoRoute = "none";
 
 int ThreadCount(int asked) {
@@ -60,429 +70,522 @@ std::string HttpDate() {
 
 Problem Busy(std::string detail) { return {503, std::move(detail), {}, 1, {}}; }
 
-std::string_view View(beast::string_view text) { return {text.data(), text.size()}; }
-
-Problem ProblemOfParser(const beast::error_code& error) {
-  if (error == http::error::header_limit)
-    return {431, "request line and headers exceed " + std::to_string(kMaxHead) + " bytes", {}, {}, {}};
-  if (error == http::error::bad_version) return {505, "only HTTP/1.0 and HTTP/1.1 are spoken here", {}, {}, {}};
-  if (error == http::error::body_limit) return {413, "the body is too large", {}, {}, {}};
-  return {400, "this is not a well-formed HTTP request", {}, {}, {}};
+// Strangers choose methods; the table of metrics must not grow with them.
+std::string_view MethodLabel(std::string_view method) {
+  for (const std::string_view known : {"GET", "HEAD", "POST", "PUT", "PATCH", "DELETE", "OPTIONS"})
+    if (method == known) return known;
+  return "other";
 }
 
-}  // namespace
+// A page of another site may not change anything here behind its reader's back. (Browsers say where a request comes
+// from; other programs do not.)
+void RefuseCrossSite(const internal::HttpHead& head) {
+  if (head.method == "GET" || head.method == "HEAD") return;
+  if (EqualsIgnoringCase(head.Value("Sec-Fetch-Site"), "cross-site"))
+    throw ProblemError(403, "requests from pages of other sites are not taken");
+}
 
-struct Server::State {
-  State(const Router& the_router, Metrics* the_metrics, ServerOptions the_options)
-      : router(the_router),
-        metrics(the_metrics),
-        options(std::move(the_options)),
-        acceptor(io),
-        retry(io),
-        signals(io),
-        stop_timer(io),
-        workers(static_cast<std::size_t>(ThreadCount(options.threads))) {}
+// The part of all large bodies' budget that one request holds.
+class BodyBudget {
+ public:
+  explicit BodyBudget(std::atomic<std::size_t>* used) : used_(used) {}
+  ~BodyBudget() { Release(); }
+  BodyBudget(const BodyBudget&) = delete;
+  BodyBudget& operator=(const BodyBudget&) = delete;
 
-  const Router& router;
-  Metrics* metrics;
-  const ServerOptions options;
-  // Touched by the I/O thread only. Before `io`, whose end takes the last sessions along.
-  std::set<Session*> sessions;
-  std::size_t body_bytes = 0;
-  int queued = 0;
-  bool stopping = false;
+  bool Take(std::size_t bytes, std::size_t limit) {
+    if (bytes > limit || used_->fetch_add(bytes) > limit - bytes) {
+      if (bytes <= limit) *used_ -= bytes;
+      return false;
+    }
+    held_ = bytes;
+    return true;
+  }
+  void Release() { *used_ -= std::exchange(held_, 0); }
 
-  asio::io_context io{1};
-  tcp::acceptor acceptor;
-  asio::steady_timer retry;  // after a failed accept
-  asio::signal_set signals;
-  asio::steady_timer stop_timer;
-  // Last, so that it is joined before anything that its work refers to is gone.
-  asio::thread_pool workers;
-
-  void Accept();
-  void BeginStop();
-  HttpResponse Carry(const Route& route, const HttpRequest& request);
+ private:
+  std::atomic<std::size_t>* used_;
+  std::size_t held_ = 0;
 };
 
-/// One connection: reads a head, checks it, reads the body, has it carried out, writes the answer, and again.
-class Server::Session : public std::enable_shared_from_this<Session> {
+// One request and what became of it; lives on the stack of its connection's thread.
+struct Exchange {
+  explicit Exchange(std::atomic<std::size_t>* body_bytes) : budget(body_bytes) {}
+
+  internal::HttpHead head;
+  const Route* route = nullptr;
+  std::vector<std::string> arguments;
+  std::optional<HttpResponse> answer;  // given before the body was read: a refusal, or OPTIONS
+  bool keep_alive = true;
+  bool is_gone = false;  // the client left, or was too slow: nobody to answer
+  Clock::time_point started = Clock::now();
+  BodyBudget budget;
+};
+
+// The library's handlers are told of a request nothing but what it parsed.
+thread_local Exchange* current_exchange = nullptr;
+
+// What process_request() reads and writes: one request, not a byte more.
+class RequestStream : public httplib::Stream {
  public:
-  Session(tcp::socket socket, State* state) : stream_(std::move(socket)), state_(state) {
-    state_->sessions.insert(this);
-    state_->metrics->connections = static_cast<int>(state_->sessions.size());
-  }
-  ~Session() {
-    ReleaseBody();
-    state_->sessions.erase(this);
-    state_->metrics->connections = static_cast<int>(state_->sessions.size());
-    if (state_->stopping && state_->sessions.empty()) state_->stop_timer.cancel();
-  }
-  Session(const Session&) = delete;
-  Session& operator=(const Session&) = delete;
-
-  void Start() {
-    beast::error_code ignored;
-    stream_.socket().set_option(tcp::no_delay(true), ignored);  // an answer leaves at once
-    ReadHead();
+  RequestStream(const Exchange& exchange, internal::SocketStream* socket, const ServerOptions& options)
+      : exchange_(exchange),
+        socket_(socket),
+        body_left_(exchange.answer ? 0 : exchange.head.body_bytes),
+        body_deadline_(Clock::now() + options.body_timeout + std::chrono::seconds(body_left_ >> 20)),
+        write_timeout_(options.write_timeout) {
+    const std::string& method = exchange.head.method;
+    head_ = exchange.answer ? (method == "HEAD" ? "HEAD" : "GET") : method;
+    head_ += " / HTTP/1.1\r\nContent-Length: " + std::to_string(body_left_) + "\r\n\r\n";
   }
 
-  void Refuse(const Problem& problem) {
-    started_ = Clock::now();
-    ++state_->metrics->refused;
-    Answer(ProblemResponse(problem), /*keep_alive=*/false);
+  bool is_readable() const override { return true; }
+  bool is_writable() const override { return true; }
+  void get_remote_ip_and_port(std::string&, int&) const override {}
+  void get_local_ip_and_port(std::string&, int&) const override {}
+  // The library compares it with select()'s limit, and has no other use for it.
+  socket_t socket() const override { return 0; }
+
+  ssize_t read(char* to, std::size_t size) override {
+    if (head_at_ < head_.size()) {
+      const std::size_t taken = head_.copy(to, size, head_at_);
+      head_at_ += taken;
+      return static_cast<ssize_t>(taken);
+    }
+    const std::size_t wanted = static_cast<std::size_t>(std::min<std::uint64_t>(size, body_left_));
+    const std::size_t got = socket_->Read(to, wanted, body_deadline_);
+    body_left_ -= got;
+    return static_cast<ssize_t>(got);
   }
 
-  /// Closes at once when nothing is under way; else after the answer.
-  void CloseWhenIdle() {
-    if (phase_ == Phase::kIdle || phase_ == Phase::kLingering) Close();
+  // Head and body of an answer come one by one; they leave together.
+  ssize_t write(const char* from, std::size_t size) override {
+    if (exchange_.is_gone || failed_) return -1;
+    if (held_.empty()) {
+      held_.assign(from, size);
+      return static_cast<ssize_t>(size);
+    }
+    return Send({from, size}) ? static_cast<ssize_t>(size) : -1;
   }
 
-  void Close() {
-    beast::error_code ignored;
-    stream_.socket().close(ignored);
+  /// Sends what is held back. @return whether the whole body was read and all of the answer is out.
+  bool Finish() {
+    if (!exchange_.is_gone && !failed_ && !held_.empty()) Send({});
+    return !exchange_.is_gone && !failed_ && body_left_ == 0;
   }
 
  private:
-  enum class Phase { kIdle, kBusy, kLingering };
-
-  void ReadHead() {
-    if (state_->stopping) return Linger();
-    phase_ = Phase::kIdle;
-    route_ = nullptr;
-    parser_.emplace();
-    parser_->header_limit(kMaxHead);
-    // The route sets the limit, once it is known. (Not boost::none: 1.74 takes that for a limit of nothing.)
-    parser_->body_limit(std::numeric_limits<std::uint64_t>::max());
-    stream_.expires_after(state_->options.head_timeout);
-    http::async_read_header(stream_, buffer_, *parser_,
-                            beast::bind_front_handler(&Session::OnHead, shared_from_this()));
+  bool Send(std::string_view more) {
+    if (!write_deadline_) write_deadline_ = Clock::now() + write_timeout_;
+    failed_ = !socket_->Write(held_, more, *write_deadline_);
+    held_.clear();
+    return !failed_;
   }
 
-  void OnHead(const beast::error_code& error, std::size_t) {
-    started_ = Clock::now();
-    phase_ = Phase::kBusy;
-    if (error == http::error::end_of_stream) return Linger();
-    if (error && error.category() != http::make_error_code(http::error::bad_method).category()) return;  // gone or slow
-    try {
-      if (error) throw ProblemError(ProblemOfParser(error));
-      CheckHead();
-    } catch (...) {
-      return Answer(ProblemResponse(ProblemFrom(std::current_exception())), /*keep_alive=*/false);
-    }
-    const auto& head = parser_->get();
-    if (head.method() == http::verb::options) return AnswerOptions();
-    stream_.expires_after(state_->options.body_timeout + std::chrono::seconds(body_length_ >> 20));
-    if (body_length_ > 0 && head.count(http::field::expect) > 0) {
-      static constexpr std::string_view kContinue = "HTTP/1.1 100 Continue\r\n\r\n";
-      return asio::async_write(stream_, asio::buffer(kContinue.data(), kContinue.size()),
-                               [self = shared_from_this()](const beast::error_code& failed, std::size_t) {
-                                 if (!failed) self->ReadBody();
-                               });
-    }
-    ReadBody();
-  }
-
-  /// Everything that can be refused before a body is read. @throws ProblemError
-  void CheckHead() {
-    const auto& head = parser_->get();
-    if (head.version() != 10 && head.version() != 11) throw ProblemError(ProblemOfParser(http::error::bad_version));
-    // Two readers that disagree on where a body ends can be played off against each other (request smuggling):
-    // only one framing is taken here, one Content-Length.
-    if (head.count(http::field::transfer_encoding) > 0)
-      throw ProblemError(411, "chunked and otherwise coded transfers are not taken; send a Content-Length");
-    if (head.count(http::field::content_length) > 1 ||
-        head[http::field::content_length].find(',') != beast::string_view::npos)
-      throw ProblemError(400, "Content-Length stands twice");
-    if (head.count(http::field::content_encoding) > 0)
-      throw ProblemError(415, "coded bodies are not taken; send the body as it is");
-    if (head.version() == 11 && head.count(http::field::host) != 1)
-      throw ProblemError(400, "HTTP/1.1 needs exactly one Host header");
-    if (head.count(http::field::expect) > 0 && !beast::iequals(head[http::field::expect], "100-continue"))
-      throw ProblemError(417, "the only expectation met here is 100-continue");
-    if (head.target().size() > kMaxTarget)
-      throw ProblemError(414, "the request target exceeds " + std::to_string(kMaxTarget) + " bytes");
-
-    std::string_view target = View(head.target());
-    // Absolute form: the authority is ours, whatever it says (RFC 9112, 3.2.2).
-    if (target.starts_with("http://")) target.remove_prefix(std::min(target.find('/', 7), target.size()));
-    path_ = std::string(target.substr(0, target.find('?')));
-    body_length_ = parser_->content_length().value_or(0);
-    if (head.method() == http::verb::options) {
-      if (body_length_ > 0) throw ProblemError(413, "this method takes no body");
-      return;
-    }
-    auto [route, arguments] = state_->router.Find(View(head.method_string()), path_);
-    route_ = route;
-    arguments_ = std::move(arguments);
-    if (body_length_ > route_->max_body) {
-      throw ProblemError(413, route_->max_body == 0
-                                  ? std::string("this route takes no body")
-                                  : "the body has " + std::to_string(body_length_) + " bytes; at most " +
-                                        std::to_string(route_->max_body) + " are taken here");
-    }
-    RefuseCrossSite(head);
-    parser_->body_limit(route_->max_body);
-    if (body_length_ > kSmallBody) {
-      if (state_->body_bytes + body_length_ > state_->options.max_body_bytes) {
-        ++state_->metrics->refused;
-        throw ProblemError(Busy("too many large bodies are on their way; try again"));
-      }
-      reserved_ = body_length_;
-      state_->body_bytes += reserved_;
-    }
-  }
-
-  /// A page of another site may not change anything here behind its reader's back. (Browsers say where a request
-  /// comes from; other programs do not.)
-  static void RefuseCrossSite(const http::request_header<>& head) {
-    if (head.method() == http::verb::get || head.method() == http::verb::head) return;
-    if (beast::iequals(head["Sec-Fetch-Site"], "cross-site"))
-      throw ProblemError(403, "requests from pages of other sites are not taken");
-  }
-
-  void ReadBody() {
-    http::async_read(stream_, buffer_, *parser_, beast::bind_front_handler(&Session::OnBody, shared_from_this()));
-  }
-
-  void OnBody(const beast::error_code& error, std::size_t) {
-    if (error) {
-      // A body cut short by its sender is not answered: nobody is there. A parser's complaint is.
-      if (error.category() != http::make_error_code(http::error::bad_method).category() ||
-          error == http::error::partial_message)
-        return;
-      return Answer(ProblemResponse(ProblemOfParser(error)), /*keep_alive=*/false);
-    }
-    auto request = std::make_shared<HttpRequest>();
-    auto& message = parser_->get();
-    request->method = route_->method;
-    request->path = path_;
-    request->arguments = std::move(arguments_);
-    request->body = std::move(message.body());
-    for (const auto& field : message)
-      request->headers.emplace_back(std::string(View(field.name_string())), std::string(View(field.value())));
-    if (route_->immediate) return Answer(state_->Carry(*route_, *request), message.keep_alive());
-    Enqueue(std::move(request));
-  }
-
-  void Enqueue(std::shared_ptr<HttpRequest> request) {
-    const bool keep_alive = parser_->get().keep_alive();
-    if (state_->queued >= state_->options.max_queued + ThreadCount(state_->options.threads)) {
-      ++state_->metrics->refused;
-      return Answer(ProblemResponse(Busy("too many requests are waiting; try again")), keep_alive);
-    }
-    state_->metrics->queued = ++state_->queued;
-    stream_.expires_never();
-    // The guard keeps the I/O thread alive while no input or output is pending.
-    asio::post(state_->workers, [self = shared_from_this(), request = std::move(request), keep_alive, arrived = started_,
-                                 guard = asio::make_work_guard(state_->io)]() mutable {
-      State& state = *self->state_;
-      HttpResponse response = Clock::now() - arrived > state.options.queue_timeout
-                                  ? ProblemResponse(Busy("the request waited too long for a worker; try again"))
-                                  : state.Carry(*self->route_, *request);
-      request.reset();
-      asio::post(state.io, [self = std::move(self), response = std::move(response), keep_alive,
-                            guard = std::move(guard)]() mutable {
-        State& owner = *self->state_;
-        owner.metrics->queued = --owner.queued;
-        self->ReleaseBody();
-        self->Answer(std::move(response), keep_alive);
-      });
-    });
-  }
-
-  void AnswerOptions() {
-    const std::string allowed = path_.starts_with('/') ? state_->router.Allowed(path_) : "GET, HEAD, POST, DELETE, OPTIONS";
-    if (allowed.empty()) return Answer(ProblemResponse({404, "there is nothing here", {}, {}, {}}), false);
-    HttpResponse response;
-    response.status = 204;
-    response.Set("Allow", allowed);
-    Answer(std::move(response), parser_->get().keep_alive());
-  }
-
-  void Answer(HttpResponse response, bool keep_alive) {
-    phase_ = Phase::kBusy;
-    ReleaseBody();
-    const bool is_request = parser_ && parser_->is_header_done();
-    const auto method = is_request ? parser_->get().method() : http::verb::unknown;
-    const auto elapsed = std::chrono::duration<double>(Clock::now() - started_);
-    state_->metrics->CountRequest(method == http::verb::unknown ? "other" : View(http::to_string(method)),
-                                  route_ ? std::string_view(route_->pattern) : kNoRoute, response.status,
-                                  elapsed.count());
-
-    keep_alive = keep_alive && !state_->stopping;
-    message_.emplace();
-    message_->version(is_request ? parser_->get().version() : 11);
-    message_->result(static_cast<unsigned>(response.status));
-    message_->reason(beast::string_view(StatusTitle(response.status).data(), StatusTitle(response.status).size()));
-    message_->set(http::field::date, HttpDate());
-    message_->set("X-Content-Type-Options", "nosniff");
-    for (const auto& [name, value] : response.headers) message_->set(name, value);
-    message_->keep_alive(keep_alive);
-    if (response.status != 204 && response.status != 304) message_->content_length(response.body.size());
-    message_->body() = std::move(response.body);
-
-    stream_.expires_after(state_->options.write_timeout);
-    auto on_written = [self = shared_from_this(), keep_alive](const beast::error_code& error, std::size_t) {
-      self->serializer_.reset();
-      self->message_.reset();
-      if (error) return;
-      if (keep_alive) {
-        self->ReadHead();
-      } else {
-        self->Linger();
-      }
-    };
-    serializer_.emplace(*message_);
-    if (method == http::verb::head || response.status == 204 || response.status == 304) {
-      http::async_write_header(stream_, *serializer_, std::move(on_written));
-    } else {
-      http::async_write(stream_, *serializer_, std::move(on_written));
-    }
-  }
-
-  /// Half-closes, then reads and drops what still comes for a while: closing with unread input would reset the
-  /// connection and could take the answer away from the client before it has read it.
-  void Linger() {
-    phase_ = Phase::kLingering;
-    beast::error_code error;
-    stream_.socket().shutdown(tcp::socket::shutdown_send, error);
-    if (error || state_->stopping) return Close();
-    stream_.expires_after(kLinger);
-    buffer_.clear();
-    Drain();
-  }
-
-  void Drain() {
-    stream_.async_read_some(buffer_.prepare(64 * 1024),
-                            [self = shared_from_this()](const beast::error_code& error, std::size_t) {
-                              if (!error) self->Drain();
-                            });
-  }
-
-  void ReleaseBody() {
-    state_->body_bytes -= reserved_;
-    reserved_ = 0;
-  }
-
-  beast::tcp_stream stream_;
-  State* state_;
-  beast::flat_buffer buffer_;
-  std::optional<http::request_parser<http::string_body>> parser_;
-  std::optional<http::response<http::string_body>> message_;
-  std::optional<http::response_serializer<http::string_body>> serializer_;
-  Phase phase_ = Phase::kIdle;
-  Clock::time_point started_ = Clock::now();
-  const Route* route_ = nullptr;
-  std::vector<std::string> arguments_;
-  std::string path_;
-  std::uint64_t body_length_ = 0;
-  std::size_t reserved_ = 0;
+  const Exchange& exchange_;
+  internal::SocketStream* socket_;
+  std::string head_;
+  std::size_t head_at_ = 0;
+  std::uint64_t body_left_;
+  const Clock::time_point body_deadline_;
+  const Clock::duration write_timeout_;
+  std::optional<Clock::time_point> write_deadline_;
+  std::string held_;
+  bool failed_ = false;
 };
 
-HttpResponse Server::State::Carry(const Route& route, const HttpRequest& request) {
-  try {
-    return route.handler(request);
-  } catch (...) {
-    return ProblemResponse(ProblemFrom(std::current_exception()));
-  }
-}
+}  // namespace
 
-void Server::State::Accept() {
-  acceptor.async_accept([this](const beast::error_code& error, tcp::socket socket) {
-    if (stopping) return;
-    if (error) {
-      // Out of descriptors, or the client has gone already: neither ends the server.
-      retry.expires_after(std::chrono::milliseconds(20));
-      retry.async_wait([this](const beast::error_code& cancelled) {
-        if (!cancelled && !stopping) Accept();
-      });
-      return;
+struct Server::State : private httplib::Server {
+  State(const Router& the_router, Metrics* the_metrics, ServerOptions the_options);
+  ~State() override;
+
+  int Bind();
+  void Run();
+  void RequestStop();  // async-signal-safe
+  static void OnSignal(int);
+
+  static std::atomic<State*> of_signals;
+
+ private:
+  // An open connection, known to the thread that stops the server.
+  struct Connection {
+    int socket;
+    bool is_idle = false;  // may be cut off: no request of its is under way
+  };
+  class TaskQueue;
+
+  bool process_and_close_socket(socket_t socket) override;
+  void Serve(Connection* connection, bool is_refused);
+  bool ReadHead(internal::SocketStream* socket, Connection* connection, Exchange* exchange);
+  void CheckRequest(Exchange* exchange);
+  void Handle(httplib::Response& out, const httplib::ContentReader* reader);
+  HttpResponse CarryOut(Exchange* exchange, const HttpRequest& request);
+  void Answer(HttpResponse response, httplib::Response& out);
+  bool Respond(Exchange* exchange, internal::SocketStream* socket);
+  bool SetIdle(Connection* connection, bool is_idle);
+
+  const Router& router_;
+  Metrics* metrics_;
+  const ServerOptions options_;
+  internal::WorkerSlots slots_;
+  std::atomic<std::size_t> body_bytes_{0};
+  std::atomic<bool> stopping_{false};
+  std::atomic<int> listener_{-1};
+
+  std::mutex mutex_;
+  std::condition_variable closed_;
+  std::set<Connection*> connections_;
+  // Last, so that they have ended before anything that they refer to is gone.
+  internal::ConnectionThreads threads_;
+};
+
+std::atomic<Server::State*> Server::State::of_signals{nullptr};
+
+// The library's own queue grows without bound. This one takes what the connections' threads take, and what they do
+// not take is carried out by the accepting thread itself, where a connection is closed at once.
+class Server::State::TaskQueue : public httplib::TaskQueue {
+ public:
+  explicit TaskQueue(internal::ConnectionThreads* threads) : threads_(threads) {}
+  void enqueue(std::function<void()> work) override {
+    if (!threads_->TryStart(work)) work();
+  }
+  void shutdown() override {}
+
+ private:
+  internal::ConnectionThreads* threads_;
+};
+
+namespace {
+
+thread_local bool is_accepting_thread = false;
+
+}  // namespace
+
+Server::State::State(const Router& the_router, Metrics* the_metrics, ServerOptions the_options)
+    : router_(the_router),
+      metrics_(the_metrics),
+      options_(std::move(the_options)),
+      slots_(ThreadCount(options_.threads), options_.max_queued, the_metrics),
+      // Refused connections are told so, but only as many again: past that they are simply closed.
+      threads_(static_cast<std::size_t>(2 * options_.max_connections)) {
+  new_task_queue = [this] { return new TaskQueue(&threads_); };
+  set_pre_routing_handler([this](const httplib::Request&, httplib::Response& out) {
+    if (!current_exchange->answer) return HandlerResponse::Unhandled;
+    Answer(std::move(*current_exchange->answer), out);
+    return HandlerResponse::Handled;
+  });
+  const auto with_body = [this](const httplib::Request&, httplib::Response& out, const httplib::ContentReader& reader) {
+    Handle(out, &reader);
+  };
+  Get("/", [this](const httplib::Request&, httplib::Response& out) { Handle(out, nullptr); });
+  Post("/", with_body);
+  Put("/", with_body);
+  Patch("/", with_body);
+  Delete("/", with_body);
+  // Without one the library would tell clients an exception's text in a header.
+  set_exception_handler([this](const httplib::Request&, httplib::Response& out, std::exception_ptr error) {
+    Answer(ProblemResponse(ProblemFrom(error)), out);
+  });
+  set_post_routing_handler([this](const httplib::Request&, httplib::Response& out) {
+    for (const char* name : {"Connection", "Keep-Alive", "Accept-Ranges"}) out.headers.erase(name);
+    if (out.status == 204 || out.status == 304) out.headers.erase("Content-Length");
+    Exchange& exchange = *current_exchange;
+    if (stopping_) exchange.keep_alive = false;
+    if (!exchange.keep_alive) {
+      out.set_header("Connection", "close");
+    } else if (exchange.head.minor_version == 0) {
+      out.set_header("Connection", "keep-alive");
     }
-    const bool full = static_cast<int>(sessions.size()) >= options.max_connections;
-    // Refused connections are told so, but only as many again: past that they are simply closed.
-    if (static_cast<int>(sessions.size()) < 2 * options.max_connections) {
-      const auto session = std::make_shared<Session>(std::move(socket), this);
-      if (full) {
-        session->Refuse(Busy("too many connections are open; try again"));
-      } else {
-        session->Start();
-      }
-    }
-    Accept();
   });
 }
 
-void Server::State::BeginStop() {
-  if (stopping) return;
-  stopping = true;
-  beast::error_code ignored;
-  acceptor.close(ignored);
-  retry.cancel();
-  signals.cancel(ignored);
-  if (sessions.empty()) return;
-  for (Session* session : sessions) session->CloseWhenIdle();
-  stop_timer.expires_after(options.stop_timeout);
-  stop_timer.async_wait([this](const beast::error_code& cancelled) {
-    if (cancelled) return;
-    for (Session* session : sessions) session->Close();
-  });
+Server::State::~State() {
+  threads_.Join();
+  State* self = this;
+  of_signals.compare_exchange_strong(self, nullptr);
+  if (listener_ >= 0) ::close(listener_);
 }
 
-Server::Server(const Router& router, Metrics* metrics, ServerOptions options)
-    : state_(std::make_unique<State>(router, metrics, std::move(options))) {}
-
-Server::~Server() {
-  state_->workers.join();
-}
-
-int Server::Bind() {
-  const ServerOptions& options = state_->options;
-  beast::error_code error;
-  tcp::resolver resolver(state_->io);
-  const auto found = resolver.resolve(options.host, std::to_string(options.port), tcp::resolver::passive, error);
-  tcp::endpoint endpoint;
-  if (!error) {
-    endpoint = found.begin()->endpoint();
-    state_->acceptor.open(endpoint.protocol(), error);
+int Server::State::Bind() {
+  const std::string port = std::to_string(options_.port);
+  const auto fail = [&](const std::string& reason) {
+    throw std::runtime_error("cannot listen on " + options_.host + ":" + port + ": " + reason);
+  };
+  addrinfo hints{};
+  hints.ai_family = AF_UNSPEC;
+  hints.ai_socktype = SOCK_STREAM;
+  hints.ai_flags = AI_PASSIVE | AI_NUMERICSERV;
+  addrinfo* found = nullptr;
+  if (const int error = ::getaddrinfo(options_.host.c_str(), port.c_str(), &hints, &found); error != 0)
+    fail(::gai_strerror(error));
+  const int socket = ::socket(found->ai_family, found->ai_socktype | SOCK_CLOEXEC, found->ai_protocol);
+  const int on = 1;
+  const bool is_bound = socket >= 0 && ::setsockopt(socket, SOL_SOCKET, SO_REUSEADDR, &on, sizeof on) == 0 &&
+                        ::bind(socket, found->ai_addr, found->ai_addrlen) == 0 && ::listen(socket, SOMAXCONN) == 0;
+  const int error = errno;
+  ::freeaddrinfo(found);
+  if (!is_bound) {
+    if (socket >= 0) ::close(socket);
+    fail(std::generic_category().message(error));
   }
-  if (!error) state_->acceptor.set_option(asio::socket_base::reuse_address(true), error);
-  if (!error) state_->acceptor.bind(endpoint, error);
-  if (!error) state_->acceptor.listen(asio::socket_base::max_listen_connections, error);
-  if (error) {
-    throw std::runtime_error("cannot listen on " + options.host + ":" + std::to_string(options.port) + ": " +
-                             error.message());
-  }
-  return state_->acceptor.local_endpoint().port();
+  listener_ = socket;
+  sockaddr_storage address{};
+  socklen_t size = sizeof address;
+  ::getsockname(socket, reinterpret_cast<sockaddr*>(&address), &size);
+  return ntohs(address.ss_family == AF_INET6 ? reinterpret_cast<const sockaddr_in6&>(address).sin6_port
+                                             : reinterpret_cast<const sockaddr_in&>(address).sin_port);
 }
 
-void Server::Run() {
-  asio::post(state_->io, [state = state_.get()] {
-    if (!state->stopping) state->Accept();
-  });
-  while (true) {
+void Server::State::Run() {
+  is_accepting_thread = true;
+  while (!stopping_) {
+    // The library gives up at the first failed accept, be it that the client had gone already. It is given a
+    // descriptor of its own, and another one after that.
+    svr_sock_ = ::fcntl(listener_, F_DUPFD_CLOEXEC, 0);
+    if (svr_sock_ != INVALID_SOCKET) listen_after_bind();
+    svr_sock_ = INVALID_SOCKET;
+    if (!stopping_) std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  }
+  is_accepting_thread = false;
+  {
+    std::unique_lock lock(mutex_);
+    for (const Connection* connection : connections_)
+      if (connection->is_idle) ::shutdown(connection->socket, SHUT_RDWR);
+    if (!closed_.wait_for(lock, options_.stop_timeout, [&] { return connections_.empty(); }))
+      for (const Connection* connection : connections_) ::shutdown(connection->socket, SHUT_RDWR);
+  }
+  threads_.Join();
+}
+
+void Server::State::RequestStop() {
+  stopping_ = true;
+  // Wakes the accepting thread; clients that come now are told that nobody listens.
+  if (const int listener = listener_; listener >= 0) ::shutdown(listener, SHUT_RDWR);
+}
+
+void Server::State::OnSignal(int) {
+  const int saved = errno;
+  if (State* state = of_signals) state->RequestStop();
+  errno = saved;
+}
+
+bool Server::State::process_and_close_socket(socket_t socket) {
+  Connection connection{socket};
+  bool is_refused = false;
+  {
+    const std::lock_guard lock(mutex_);
+    is_refused = static_cast<int>(connections_.size()) >= options_.max_connections;
+    connections_.insert(&connection);
+    metrics_->connections = static_cast<int>(connections_.size());
+  }
+  if (!is_accepting_thread && !stopping_) {
     try {
-      state_->io.run();
-      return;
+      Serve(&connection, is_refused);
     } catch (const std::exception& error) {
-      // A handler of ours threw (out of memory): its connection is gone, the server goes on.
+      // Out of memory, most likely: this connection ends, the server goes on.
       std::fprintf(stderr, "morphograph: internal error: %s\n", error.what());
     } catch (...) {
       std::fputs("morphograph: internal error of unknown type\n", stderr);
     }
   }
+  const std::lock_guard lock(mutex_);
+  connections_.erase(&connection);
+  metrics_->connections = static_cast<int>(connections_.size());
+  ::close(socket);  // under the lock: nobody may shut down the descriptor's next owner
+  closed_.notify_all();
+  return true;
 }
 
-void Server::Stop() {
-  asio::post(state_->io, [state = state_.get()] { state->BeginStop(); });
+bool Server::State::SetIdle(Connection* connection, bool is_idle) {
+  const std::lock_guard lock(mutex_);
+  connection->is_idle = is_idle;
+  return !stopping_;
 }
+
+void Server::State::Serve(Connection* connection, bool is_refused) {
+  const int on = 1;
+  // set_tcp_nodelay() reaches only a listening socket of the library's own. An answer leaves at once, not 40 ms later.
+  ::setsockopt(connection->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
+  internal::SocketStream socket(connection->socket);
+  while (true) {
+    Exchange exchange(&body_bytes_);
+    if (is_refused) {
+      ++metrics_->refused;
+      exchange.answer = ProblemResponse(Busy("too many connections are open; try again"));
+      exchange.keep_alive = false;
+    } else if (!ReadHead(&socket, connection, &exchange)) {
+      return;
+    }
+    const bool is_whole = Respond(&exchange, &socket);
+    if (exchange.is_gone) return;
+    if (!is_whole || !exchange.keep_alive) break;
+  }
+  if (SetIdle(connection, true)) socket.Linger(Clock::now() + kLinger);
+}
+
+/// The next request's head, checked, or the answer that refuses it. False when there is none to be answered.
+bool Server::State::ReadHead(internal::SocketStream* socket, Connection* connection, Exchange* exchange) {
+  if (!SetIdle(connection, true)) return false;
+  const Clock::time_point deadline = Clock::now() + options_.head_timeout;
+  try {
+    std::size_t end;
+    while (true) {
+      // Empty lines before a request are skipped (RFC 9112, 2.2).
+      while (socket->buffered().starts_with("\r\n")) socket->Consume(2);
+      end = socket->buffered().find("\r\n\r\n");
+      if (end != std::string_view::npos && end <= internal::kMaxHeadBytes) break;
+      internal::CheckUnfinishedHead(socket->buffered());
+      if (!socket->Fill(deadline, internal::kMaxHeadBytes)) return false;
+    }
+    SetIdle(connection, false);
+    exchange->started = Clock::now();
+    const std::string text(socket->buffered().substr(0, end + 2));
+    socket->Consume(end + 4);
+    internal::ParseHttpHead(text, &exchange->head);
+    exchange->keep_alive = exchange->head.keep_alive;
+    CheckRequest(exchange);
+  } catch (...) {
+    SetIdle(connection, false);
+    exchange->started = Clock::now();
+    exchange->answer = ProblemResponse(ProblemFrom(std::current_exception()));
+    exchange->keep_alive = false;
+  }
+  if (!exchange->answer && exchange->head.expects_continue && exchange->head.body_bytes > 0)
+    return socket->Write("HTTP/1.1 100 Continue\r\n\r\n", {}, Clock::now() + options_.write_timeout);
+  return true;
+}
+
+/// Everything that can be refused before a body is read. @throws ProblemError
+void Server::State::CheckRequest(Exchange* exchange) {
+  const internal::HttpHead& head = exchange->head;
+  if (head.method == "OPTIONS") {
+    if (head.body_bytes > 0) throw ProblemError(413, "this method takes no body");
+    const std::string allowed = head.path.starts_with('/') ? router_.Allowed(head.path) : "GET, HEAD, POST, DELETE, OPTIONS";
+    if (allowed.empty()) throw ProblemError(404, "there is nothing here");
+    exchange->answer.emplace();
+    exchange->answer->status = 204;
+    exchange->answer->Set("Allow", allowed);
+    return;
+  }
+  auto [route, arguments] = router_.Find(head.method, head.path);
+  exchange->route = route;
+  exchange->arguments = std::move(arguments);
+  if (head.body_bytes > route->max_body) {
+    throw ProblemError(413, route->max_body == 0
+                                ? std::string("this route takes no body")
+                                : "the body has " + std::to_string(head.body_bytes) + " bytes; at most " +
+                                      std::to_string(route->max_body) + " are taken here");
+  }
+  RefuseCrossSite(head);
+  if (head.body_bytes > kSmallBody && !exchange->budget.Take(head.body_bytes, options_.max_body_bytes)) {
+    ++metrics_->refused;
+    throw ProblemError(Busy("too many large bodies are on their way; try again"));
+  }
+}
+
+/// Has the library parse, dispatch and answer the request. @return whether the connection can take another one.
+bool Server::State::Respond(Exchange* exchange, internal::SocketStream* socket) {
+  RequestStream stream(*exchange, socket, options_);
+  current_exchange = exchange;
+  bool is_closed = false;
+  bool is_processed = false;
+  try {
+    is_processed = process_request(stream, /*close_connection=*/false, is_closed, {});
+  } catch (...) {
+    current_exchange = nullptr;
+    throw;
+  }
+  current_exchange = nullptr;
+  return stream.Finish() && is_processed && !is_closed;
+}
+
+void Server::State::Handle(httplib::Response& out, const httplib::ContentReader* reader) {
+  Exchange& exchange = *current_exchange;
+  HttpRequest request;
+  request.method = exchange.route->method;
+  request.path = exchange.head.path;
+  request.arguments = std::move(exchange.arguments);
+  request.headers = exchange.head.headers;
+  const auto length = static_cast<std::size_t>(exchange.head.body_bytes);
+  if (length > 0) {
+    request.body.reserve(std::min(length, kSmallBody));
+    const bool is_whole = reader && (*reader)([&](const char* data, std::size_t size) {
+      // Room for a large body is taken once its sender has shown that it means it.
+      if (request.body.size() + size > request.body.capacity()) request.body.reserve(length);
+      request.body.append(data, size);
+      return true;
+    });
+    if (!is_whole) {
+      exchange.is_gone = true;  // a body cut short by its sender is not answered: nobody is there
+      return;
+    }
+  }
+  Answer(CarryOut(&exchange, request), out);
+}
+
+HttpResponse Server::State::CarryOut(Exchange* exchange, const HttpRequest& request) {
+  const Route& route = *exchange->route;
+  const auto carry_out = [&] {
+    try {
+      return route.handler(request);
+    } catch (...) {
+      return ProblemResponse(ProblemFrom(std::current_exception()));
+    }
+  };
+  if (route.immediate) return carry_out();
+  switch (slots_.Enter(Clock::now() + options_.queue_timeout)) {
+    case internal::WorkerSlots::Entry::kFull:
+      ++metrics_->refused;
+      return ProblemResponse(Busy("too many requests are waiting; try again"));
+    case internal::WorkerSlots::Entry::kLate:
+      ++metrics_->refused;
+      return ProblemResponse(Busy("the request waited too long for its turn; try again"));
+    case internal::WorkerSlots::Entry::kEntered:
+      break;
+  }
+  const std::unique_ptr<internal::WorkerSlots, void (*)(internal::WorkerSlots*)> leave(
+      &slots_, [](internal::WorkerSlots* slots) { slots->Leave(); });
+  return carry_out();
+}
+
+void Server::State::Answer(HttpResponse response, httplib::Response& out) {
+  Exchange& exchange = *current_exchange;
+  exchange.budget.Release();
+  const std::chrono::duration<double> elapsed = Clock::now() - exchange.started;
+  metrics_->CountRequest(MethodLabel(exchange.head.method),
+                         exchange.route ? std::string_view(exchange.route->pattern) : kNoRoute, response.status,
+                         elapsed.count());
+  out.status = response.status;
+  out.headers.clear();
+  out.set_header("Date", HttpDate());
+  out.set_header("X-Content-Type-Options", "nosniff");
+  for (const auto& [name, value] : response.headers) {
+    out.headers.erase(name);
+    out.set_header(name, value);
+  }
+  if (response.status == 204 || response.status == 304) response.body.clear();
+  out.body = std::move(response.body);
+}
+
+Server::Server(const Router& router, Metrics* metrics, ServerOptions options)
+    : state_(std::make_unique<State>(router, metrics, std::move(options))) {}
+
+Server::~Server() = default;
+
+int Server::Bind() { return state_->Bind(); }
+
+void Server::Run() { state_->Run(); }
+
+void Server::Stop() { state_->RequestStop(); }
 
 void Server::StopOnSignals() {
-  state_->signals.add(SIGINT);
-  state_->signals.add(SIGTERM);
-  state_->signals.async_wait([state = state_.get()](const beast::error_code& cancelled, int) {
-    if (!cancelled) state->BeginStop();
-  });
+  State::of_signals = state_.get();
+  struct sigaction action {};
+  action.sa_handler = &State::OnSignal;
+  // A second signal ends the process as usual.
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  for (const int signal : {SIGINT, SIGTERM}) ::sigaction(signal, &action, nullptr);
 }
 
 }  // namespace morphograph

@@ -14,9 +14,9 @@ namespace morphograph {
 struct ServerOptions {
   std::string host = "127.0.0.1";
   int port = 8080;  // 0: any free one
-  int threads = 0;  // workers that carry out requests; 0: one a core
+  int threads = 0;  // requests carried out at a time; 0: one a core
   int max_connections = 256;                       // beyond: 503
-  int max_queued = 64;                             // requests waiting for a worker; beyond: 503
+  int max_queued = 64;                             // requests waiting for their turn; beyond: 503
   std::size_t max_body_bytes = std::size_t{512} << 20;  // of all large bodies held at a time; beyond: 503
   std::chrono::seconds head_timeout{15};   // for the next request's line and headers, idle time included
   std::chrono::seconds body_timeout{20};   // plus one second for each MiB announced
@@ -25,11 +25,11 @@ struct ServerOptions {
   std::chrono::seconds stop_timeout{10};   // for requests under way when the server is told to stop
 };
 
-/// HTTP/1.1 server.
+/// HTTP/1.1 server on cpp-httplib, whose known holes are fenced in (see server.cc).
 ///
-/// One thread does all input and output, asynchronously, so that slow clients cost a few kilobytes and no thread;
-/// `threads` workers run the handlers. Refused before any body is read: chunked bodies (411), bodies above the
-/// route's limit (413), bodies where none is taken, repeated lengths, coded bodies, unknown routes.
+/// Every connection has a thread of its own while it is open, so that a slow client holds back nobody else; at most
+/// `threads` of them carry out a request at a time. Refused before any body is read: chunked bodies (411), bodies
+/// above the route's limit (413), bodies where none is taken, repeated lengths, coded bodies, unknown routes.
 class Server {
  public:
   /// @param router, metrics  must outlive the server.
@@ -45,12 +45,11 @@ class Server {
   /// Asks Run() to return. From any thread, also before Run().
   void Stop();
 
-  /// Lets SIGINT and SIGTERM call Stop().
+  /// Lets SIGINT and SIGTERM call Stop(), the first time that they come. For one server of a process.
   void StopOnSignals();
 
  private:
   struct State;
-  class Session;
   std::unique_ptr<State> state_;
 };
 

@@ -203,6 +203,67 @@ TEST_F(ServerTest, RefusesWhatIsNotHttp) {
   EXPECT_EQ(AnswerTo("POST /echo HTTP/1.1\r\nHost: t\r\nExpect: miracles\r\nContent-Length: 3\r\n\r\nabc").status, 417);
 }
 
+// What the library below would do with these headers: parse the body, unpack it, compress or cut the answer, or match
+// a regular expression against them, recursing byte by byte.
+TEST_F(ServerTest, HeadersThatTheLibraryWouldActOnReachOnlyTheHandler) {
+  Start();
+  const std::string form = "--b\r\nContent-Disposition: form-data; name=\"a\"\r\n\r\nx\r\n--b--\r\n";
+  EXPECT_EQ(Ask(port_, "POST", "/echo", "Content-Type: multipart/form-data; boundary=b\r\n", form).body, form);
+  EXPECT_EQ(Ask(port_, "POST", "/echo", "Content-Type: multipart/form-data; boundary=b\r\n", "no form").body, "no form");
+  const std::string pairs(100'000, 'a');  // forms in a URL's style have a limit of their own
+  EXPECT_EQ(Ask(port_, "POST", "/echo", "Content-Type: application/x-www-form-urlencoded\r\n", pairs).body, pairs);
+  const RawResponse plain = Ask(port_, "GET", "/hello", "Accept-Encoding: gzip, br\r\nRange: bytes=1-2\r\n");
+  EXPECT_EQ(plain.status, 200);
+  EXPECT_EQ(plain.body, "hello");
+  std::string ranges = "0-1";
+  while (ranges.size() < 14'000) ranges += ",0-1";
+  EXPECT_EQ(Ask(port_, "GET", "/hello", "Range: bytes=" + ranges + "\r\n").body, "hello");
+  EXPECT_EQ(Ask(port_, "GET", "/items/" + std::string(8'000, 'a')).body.size(), 8'000u);
+}
+
+TEST_F(ServerTest, APostWithoutALengthHasNoBody) {
+  Start();
+  RawConnection connection(port_);
+  connection.Send("POST /echo HTTP/1.1\r\nHost: t\r\n\r\nGET /hello HTTP/1.1\r\nHost: t\r\n\r\n");
+  const auto empty = connection.Read(2000);
+  ASSERT_TRUE(empty);
+  EXPECT_EQ(empty->status, 200);
+  EXPECT_EQ(empty->body, "");
+  EXPECT_EQ(connection.Read(2000).value_or(RawResponse{}).body, "hello");
+}
+
+TEST_F(ServerTest, LinesEndWithCarriageReturnAndLineFeedOnly) {
+  Start();
+  EXPECT_EQ(AnswerTo("POST /echo HTTP/1.1\r\nHost: t\r\nX: y\nContent-Length: 3\r\n\r\n").status, 400);
+  EXPECT_EQ(AnswerTo("POST /echo HTTP/1.1\r\nHost: t\r\nX: y\r\n Content-Length: 3\r\n\r\n").status, 400);
+  EXPECT_EQ(AnswerTo("\x16\x03\x01").status, 400);  // does not wait for the end of a head that never comes
+}
+
+TEST_F(ServerTest, OldClientsKeepAConnectionOnlyWhenTheyAskTo) {
+  Start();
+  EXPECT_EQ(AnswerTo("GET /hello HTTP/1.0\r\n\r\n").body, "hello");
+  RawConnection kept(port_);
+  for (int i = 0; i < 2; ++i) {
+    kept.Send("GET /hello HTTP/1.0\r\nConnection: keep-alive\r\n\r\n");
+    EXPECT_EQ(kept.Read(2000).value_or(RawResponse{}).headers["connection"], "keep-alive");
+  }
+}
+
+TEST_F(ServerTest, ARequestDoesNotWaitForeverForItsTurn) {
+  ServerOptions options;
+  options.threads = 1;
+  options.queue_timeout = std::chrono::seconds(0);
+  Start(options);
+  std::thread client([&] { EXPECT_EQ(Ask(port_, "GET", "/hold").body, "held"); });
+  entered_.wait();
+  const RawResponse late = Ask(port_, "GET", "/items/x");
+  EXPECT_EQ(late.status, 503);
+  EXPECT_GE(std::stoi(late.headers.at("retry-after")), 1);
+  held_ = false;
+  client.join();
+  EXPECT_EQ(metrics_.queued, 0);
+}
+
 TEST_F(ServerTest, BoundsTheHead) {
   Start();
   EXPECT_EQ(AnswerTo("GET /" + std::string(9000, 'a') + " HTTP/1.1\r\nHost: t\r\n\r\n").status, 414);
