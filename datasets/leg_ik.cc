@@ -21,14 +21,26 @@ Vector3d OffsetFrom(const Skeleton& skeleton, int ancestor, int joint) {
   return offset;
 }
 
+// The turn of the shin that straightens a knee which is bent backwards; a bow to the side stays.
+Quaterniond TakeOutBackwardBend(const Vector3d& thigh, const Vector3d& shin, const Vector3d& told) {
+  const double bend = std::atan2(thigh.cross(shin).dot(told), thigh.dot(shin) - thigh.dot(told) * told.dot(shin));
+  return Quaterniond(Eigen::AngleAxisd(std::max(0.0, -bend), told));
+}
+
+// The axis that the pose shows, pulled towards the one that foot and pelvis tell where the knee is nearly straight.
+Vector3d Hinge(const Vector3d& thigh, const Vector3d& shin, const Vector3d& told) {
+  const Vector3d shown = thigh.stableNormalized().cross(shin.stableNormalized());
+  return (shown + std::max(0.0, kClearBendSine - shown.dot(told)) * told).stableNormalized();
+}
+
 }  // namespace
 
 struct LegIk::Chain {
   Vector3d hip_m, knee_m, ankle_m, toe_m;
   Quaterniond world_from_hip_parent, world_from_hip, world_from_knee_parent, world_from_knee;
   Quaterniond world_from_ankle_parent, world_from_ankle;
-  Vector3d hinge;              // unit; a positive turn of the shin about it bends the knee
-  double signed_bend_sine = 0;  // of the pose itself, about the hinge that foot and pelvis tell
+  Vector3d told;                // unit; the hinge axis that foot and pelvis tell: positive turns of the shin bend the knee
+  double signed_bend_sine = 0;  // of the pose itself, about `told`
 };
 
 LegIk::LegIk(const Skeleton& skeleton, Foot side, const LegIkOptions& options) : options_(options) {
@@ -89,12 +101,10 @@ LegIk::Chain LegIk::Follow(const Vector3d& root_m, const Quaterniond* rotations)
   // Forwards x down points to the left of the body, as does across. The foot is held against the shin, which it leaves forwards
   // however far it is stretched; against the line from hip to ankle it would point backwards late in a high swing.
   Vector3d told = foot.cross(shin) + kPelvisWeight * (across - across.dot(leg) * leg);
-  told = told.stableNormalized();
-  Vector3d shown = (chain.knee_m - chain.hip_m).stableNormalized().cross(shin);
-  chain.signed_bend_sine = shown.dot(told);
-  shown += std::max(0.0, kClearBendSine - chain.signed_bend_sine) * told;
-  chain.hinge = shown.stableNormalized();
-  if (chain.hinge.squaredNorm() < 0.5) chain.hinge = leg.unitOrthogonal();  // straight, foot in line with the leg
+  chain.told = told.stableNormalized();
+  if (chain.told.squaredNorm() < 0.5) chain.told = leg.unitOrthogonal();  // foot in line with the leg, pelvis edge-on
+  const Vector3d thigh = (chain.knee_m - chain.hip_m).stableNormalized();
+  chain.signed_bend_sine = thigh.cross(shin).dot(chain.told);
   return chain;
 }
 
@@ -110,8 +120,10 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
                          const Vector3d& root_m, Quaterniond* rotations) const {
   const Chain chain = Follow(root_m, rotations);
   const Vector3d thigh = chain.knee_m - chain.hip_m;
-  const Vector3d shin = chain.ankle_m - chain.knee_m;
-  const Vector3d& hinge = chain.hinge;
+  Vector3d shin = chain.ankle_m - chain.knee_m;
+  const Quaterniond unbend = TakeOutBackwardBend(thigh, shin, chain.told);
+  shin = unbend * shin;
+  const Vector3d hinge = Hinge(thigh, shin, chain.told);
 
   // Turning the shin by `turn` about the hinge: thigh . shin' = along + cosine cos(turn) + sine sin(turn)
   //                                                           = along + reach cos(turn - straight).
@@ -133,10 +145,15 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
     distance = zone > 1e-12 ? longest - zone * std::exp(-(distance - soft) / zone) : longest;
   }
   const double bend_cosine = std::clamp(((distance * distance - squares) / 2 - along) / reach, -1.0, 1.0);
-  const double bend = std::min(std::acos(bend_cosine), options_.max_knee_bend_rad);
-  const Quaterniond knee_turn(Eigen::AngleAxisd(straight + bend, hinge));
+  double bend = std::min(std::acos(bend_cosine), options_.max_knee_bend_rad);
+  // What a turn about the hinge leaves of a bow to the side may point backwards; bend at least as far as makes up for it.
+  const Vector3d bow = thigh.cross(Eigen::AngleAxisd(straight, hinge) * shin);
+  const double backwards = -bow.dot(chain.told);
+  const double forwards = reach * hinge.dot(chain.told);
+  if (backwards > 0) bend = std::max(bend, std::asin(std::min(1.0, backwards / forwards)));
+  const Quaterniond knee_turn = Quaterniond(Eigen::AngleAxisd(straight + bend, hinge)) * unbend;
 
-  const Vector3d hip_to_ankle = thigh + knee_turn * shin;
+  const Vector3d hip_to_ankle = thigh + knee_turn * (chain.ankle_m - chain.knee_m);
   Quaterniond swing = Quaterniond::Identity();
   if (to_target.norm() > 1e-9) swing = Quaterniond::FromTwoVectors(hip_to_ankle, to_target);
 

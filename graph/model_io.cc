@@ -61,15 +61,17 @@ json StyleToJson(const GraphStyle& style, ArrayWriter* arrays) {
     const Eigen::Quaterniond& q = style.mean_rotations[j];
     rotations.col(static_cast<Eigen::Index>(j)) << q.w(), q.x(), q.y(), q.z();
   }
-  Eigen::MatrixXd heels(3, 2), heights(2, 2);
+  Eigen::MatrixXd heels(3, 2), heights(2, 2), lowest(2, 2);
   for (int side = 0; side < 2; ++side) {
     heels.col(side) = style.feet.heel_offset_m[side];
     heights.col(side) << style.feet.heel_height_m[side], style.feet.ball_height_m[side];
+    lowest.col(side) << style.feet.heel_lowest_m[side], style.feet.ball_lowest_m[side];
   }
   return {{"name", style.name},
           {"mean_rotations", arrays->Doubles(rotations)},
           {"heel_offset_m", arrays->Doubles(heels)},
-          {"feet_heights_m", arrays->Doubles(heights)}};
+          {"feet_heights_m", arrays->Doubles(heights)},
+          {"feet_lowest_m", arrays->Doubles(lowest)}};
 }
 
 json MixtureToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
@@ -153,6 +155,10 @@ GraphStyle StyleFromJson(const json& value, const ArrayReader& arrays) {
   const Eigen::MatrixXd rotations = arrays.Doubles(value.at("mean_rotations"));
   const Eigen::MatrixXd heels = arrays.Doubles(value.at("heel_offset_m"));
   const Eigen::MatrixXd heights = arrays.Doubles(value.at("feet_heights_m"));
+  // Files of older programs do not say how low feet come: then the floor alone holds them.
+  const Eigen::MatrixXd lowest =
+      value.contains("feet_lowest_m") ? arrays.Doubles(value.at("feet_lowest_m")) : Eigen::MatrixXd::Zero(2, 2);
+  if (lowest.rows() != 2 || lowest.cols() != 2) throw std::runtime_error("feet_lowest_m has the wrong size");
   if (rotations.rows() != 4 || heels.rows() != 3 || heels.cols() != 2 || heights.rows() != 2 || heights.cols() != 2) {
     throw std::runtime_error("a style has arrays of the wrong size");
   }
@@ -165,6 +171,8 @@ GraphStyle StyleFromJson(const json& value, const ArrayReader& arrays) {
     style.feet.heel_offset_m[side] = heels.col(side);
     style.feet.heel_height_m[side] = heights(0, side);
     style.feet.ball_height_m[side] = heights(1, side);
+    style.feet.heel_lowest_m[side] = lowest(0, side);
+    style.feet.ball_lowest_m[side] = lowest(1, side);
   }
   return style;
 }

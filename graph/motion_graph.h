@@ -27,6 +27,9 @@ struct FeetGeometry {
   Eigen::Vector3d heel_offset_m[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
   double heel_height_m[2] = {0, 0};  // over the floor, while planted
   double ball_height_m[2] = {0, 0};
+  /// How low they come while the foot rolls, over the floor. They lie inside the foot, so that this may be less than where they stand.
+  double heel_lowest_m[2] = {0, 0};
+  double ball_lowest_m[2] = {0, 0};
 };
 
 struct GraphStyle {

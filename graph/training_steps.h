@@ -46,7 +46,7 @@ std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const 
 /// Joints that move at all in some clip, the moving root first.
 std::vector<int> FindActiveJoints(const std::vector<PreparedClip>& clips);
 
-/// Heel offsets and standing heights over the clips of a style.
+/// Heel offsets, standing and lowest heights over the clips of a style.
 FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips);
 
 }  // namespace morphograph

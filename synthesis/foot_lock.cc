@@ -44,11 +44,11 @@ Eigen::Vector3d Hermite(double t, const Eigen::Vector3d& p0, const Eigen::Vector
 // One foot over a whole clip: where its points are, and how far the ankle has to be moved.
 class FootCorrection {
  public:
-  FootCorrection(Eigen::Matrix3Xd heels, Eigen::Matrix3Xd balls, double heel_height, double ball_height)
+  FootCorrection(Eigen::Matrix3Xd heels, Eigen::Matrix3Xd balls, const FeetGeometry& feet, int side)
       : heels_(std::move(heels)),
         balls_(std::move(balls)),
-        heel_height_(heel_height),
-        ball_height_(ball_height),
+        feet_(feet),
+        side_(side),
         shift_(Eigen::Matrix3Xd::Zero(3, balls_.cols())) {}
 
   // Shifts inside a stance: one spot under the ball, and before and after it one under the heel.
@@ -62,10 +62,10 @@ class FootCorrection {
       f = end;
     }
     if (first < 0) {
-      Hold(heels_, heel_height_, stance.first, stance.last, stance.first, stance.last);
+      Hold(heels_, feet_.heel_height_m[side_], stance.first, stance.last, stance.first, stance.last);
       return;
     }
-    Hold(balls_, ball_height_, first, last, first, last);
+    Hold(balls_, feet_.ball_height_m[side_], first, last, first, last);
     Follow(heels_, first, first - 1, stance.first);
     Follow(heels_, last, last + 1, stance.last);
   }
@@ -92,11 +92,11 @@ class FootCorrection {
     }
   }
 
-  // Lifts a foot wherever heel or ball would dip below the floor, y = 0.
+  // Lifts a foot wherever heel or ball would come lower than captured ones do.
   void KeepAboveFloor() {
     for (int f = 0; f < shift_.cols(); ++f) {
-      const double lowest = std::min(heels_(1, f), balls_(1, f)) + shift_(1, f);
-      if (lowest < 0) shift_(1, f) -= lowest;
+      const double above = std::min(heels_(1, f) - feet_.heel_lowest_m[side_], balls_(1, f) - feet_.ball_lowest_m[side_]);
+      shift_(1, f) = std::max(shift_(1, f), -above);
     }
   }
 
@@ -142,7 +142,8 @@ class FootCorrection {
   }
 
   Eigen::Matrix3Xd heels_, balls_;
-  double heel_height_, ball_height_;
+  const FeetGeometry& feet_;
+  int side_;
   Eigen::Matrix3Xd shift_;
 };
 
@@ -180,7 +181,7 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
       planted[f] = ball_planted[f] || contacts(2 * side, f) > options.planted_chance;
     }
     const std::vector<Interval> stances = IntervalsWhere(planted, shortest);
-    FootCorrection correction(heels[side], balls[side], feet.heel_height_m[side], feet.ball_height_m[side]);
+    FootCorrection correction(heels[side], balls[side], feet, side);
     for (const Interval& stance : stances) correction.Plant(stance, ball_planted);
     for (size_t i = 0; i <= stances.size(); ++i) {
       correction.EaseBetween(i > 0 ? &stances[i - 1] : nullptr, i < stances.size() ? &stances[i] : nullptr, ease);
