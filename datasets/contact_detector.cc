@@ -198,9 +198,9 @@ std::vector<ContactInterval> Runs(const Flags& flags, Foot foot, double min_fram
   return runs;
 }
 
-}  // namespace
-
-ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& options) {
+// `pose_of(f)` gives the world pose of frame f; frames are asked for in order.
+template <typename PoseOf>
+ContactTrack Detect(const MotionClip& clip, PoseOf pose_of, const ContactOptions& options) {
   RequireRoles(clip);
   const RoleMap& roles = clip.skeleton().roles();
   const int frames = clip.frame_count();
@@ -222,9 +222,8 @@ ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& option
     return track;
   }
 
-  WorldPose pose;
   for (int f = 0; f < frames; ++f) {
-    ForwardKinematics(clip.skeleton(), clip.rotations(f), clip.root_positions().col(f), &pose);
+    const WorldPose& pose = pose_of(f);
     for (int side = 0; side < 2; ++side) {
       feet[side].ankle.col(f) = pose.positions.col(ankles[side]);
       feet[side].ball.col(f) = pose.positions.col(toes[side]);
@@ -286,6 +285,25 @@ ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& option
   std::stable_sort(track.intervals.begin(), track.intervals.end(),
                    [](const ContactInterval& a, const ContactInterval& b) { return a.first < b.first; });
   return track;
+}
+
+}  // namespace
+
+ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& options) {
+  WorldPose pose;
+  const auto pose_of = [&](int f) -> const WorldPose& {
+    ForwardKinematics(clip.skeleton(), clip.rotations(f), clip.root_positions().col(f), &pose);
+    return pose;
+  };
+  return Detect(clip, pose_of, options);
+}
+
+ContactTrack DetectContacts(const MotionClip& clip, const std::vector<WorldPose>& poses, const ContactOptions& options) {
+  if (static_cast<int>(poses.size()) != clip.frame_count()) {
+    throw std::invalid_argument("DetectContacts: " + std::to_string(poses.size()) + " poses for " +
+                                std::to_string(clip.frame_count()) + " frames");
+  }
+  return Detect(clip, [&](int f) -> const WorldPose& { return poses[static_cast<size_t>(f)]; }, options);
 }
 
 }  // namespace morphograph

@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "datasets/forward_kinematics.h"
 #include "datasets/motion_clip.h"
 
 namespace morphograph {
@@ -60,5 +61,9 @@ struct ContactTrack {
 /// ends of the clip too, where it cannot be told from a graze.
 /// @throws std::invalid_argument when knees, ankles or toes have no role.
 ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& options = {});
+
+/// The same where the poses of all frames, as WorldPoses(clip) gives them, are at hand already.
+/// @throws std::invalid_argument also when there is not one pose a frame.
+ContactTrack DetectContacts(const MotionClip& clip, const std::vector<WorldPose>& poses, const ContactOptions& options = {});
 
 }  // namespace morphograph

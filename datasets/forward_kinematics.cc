@@ -28,6 +28,14 @@ WorldPose ForwardKinematics(const MotionClip& clip, int frame) {
   return pose;
 }
 
+std::vector<WorldPose> WorldPoses(const MotionClip& clip) {
+  std::vector<WorldPose> poses(clip.frame_count());
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    ForwardKinematics(clip.skeleton(), clip.rotations(f), clip.root_positions().col(f), &poses[f]);
+  }
+  return poses;
+}
+
 std::vector<Eigen::Matrix3Xd> JointPositions(const MotionClip& clip) {
   std::vector<Eigen::Matrix3Xd> positions(clip.frame_count());
   WorldPose pose;

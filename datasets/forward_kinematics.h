@@ -22,6 +22,9 @@ void ForwardKinematics(const Skeleton& skeleton, const Eigen::Quaterniond* rotat
                        const Eigen::Vector3d& root_position, WorldPose* pose);
 WorldPose ForwardKinematics(const MotionClip& clip, int frame);
 
+/// Poses of a whole clip, one a frame.
+std::vector<WorldPose> WorldPoses(const MotionClip& clip);
+
 /// Joint positions of a whole clip: one matrix (3 x joints) a frame.
 std::vector<Eigen::Matrix3Xd> JointPositions(const MotionClip& clip);
 

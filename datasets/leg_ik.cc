@@ -35,12 +35,9 @@ Vector3d Hinge(const Vector3d& thigh, const Vector3d& shin, const Vector3d& told
 
 }  // namespace
 
-struct LegIk::Chain {
-  Vector3d hip_m, knee_m, ankle_m, toe_m;
-  Quaterniond world_from_hip_parent, world_from_hip, world_from_knee_parent, world_from_knee;
-  Quaterniond world_from_ankle_parent, world_from_ankle;
-  Vector3d told;                // unit; the hinge axis that foot and pelvis tell: positive turns of the shin bend the knee
-  double signed_bend_sine = 0;  // of the pose itself, about `told`
+struct LegIk::Chain : LegPlace {
+  Quaterniond world_from_root, world_from_hip_parent, world_from_hip, world_from_knee_parent, world_from_knee;
+  Quaterniond world_from_ankle_parent;
 };
 
 LegIk::LegIk(const Skeleton& skeleton, Foot side, const LegIkOptions& options) : options_(options) {
@@ -71,6 +68,7 @@ LegIk::LegIk(const Skeleton& skeleton, Foot side, const LegIkOptions& options) :
 
 LegIk::Chain LegIk::Follow(const Vector3d& root_m, const Quaterniond* rotations) const {
   Chain chain;
+  chain.world_from_root = rotations[root_];
   Quaterniond world = rotations[root_];
   Vector3d position = root_m;
   for (const Link& link : links_) {
@@ -88,32 +86,35 @@ LegIk::Chain LegIk::Follow(const Vector3d& root_m, const Quaterniond* rotations)
     } else if (link.joint == ankle_) {
       chain.ankle_m = position;
       chain.world_from_ankle_parent = world_from_parent;
-      chain.world_from_ankle = world;
+      chain.world_from_foot = world;
     } else if (link.joint == toe_) {
       chain.toe_m = position;
     }
   }
+  return chain;
+}
 
+// The hinge axis that foot and pelvis tell: unit; positive turns of the shin about it bend the knee.
+Vector3d LegIk::ToldHinge(const Chain& chain) const {
   const Vector3d leg = (chain.ankle_m - chain.hip_m).stableNormalized();
   const Vector3d foot = (chain.toe_m - chain.ankle_m).stableNormalized();
-  const Vector3d across = (rotations[root_] * root_across_).stableNormalized();
+  const Vector3d across = (chain.world_from_root * root_across_).stableNormalized();
   const Vector3d shin = (chain.ankle_m - chain.knee_m).stableNormalized();
   // Forwards x down points to the left of the body, as does across. The foot is held against the shin, which it leaves forwards
   // however far it is stretched; against the line from hip to ankle it would point backwards late in a high swing.
-  Vector3d told = foot.cross(shin) + kPelvisWeight * (across - across.dot(leg) * leg);
-  chain.told = told.stableNormalized();
-  if (chain.told.squaredNorm() < 0.5) chain.told = leg.unitOrthogonal();  // foot in line with the leg, pelvis edge-on
-  const Vector3d thigh = (chain.knee_m - chain.hip_m).stableNormalized();
-  chain.signed_bend_sine = thigh.cross(shin).dot(chain.told);
-  return chain;
+  const Vector3d told = (foot.cross(shin) + kPelvisWeight * (across - across.dot(leg) * leg)).stableNormalized();
+  if (told.squaredNorm() < 0.5) return leg.unitOrthogonal();  // foot in line with the leg, pelvis edge-on
+  return told;
 }
+
+LegPlace LegIk::Place(const Vector3d& root_m, const Quaterniond* rotations) const { return Follow(root_m, rotations); }
 
 LegMeasure LegIk::Measure(const Vector3d& root_m, const Quaterniond* rotations) const {
   const Chain chain = Follow(root_m, rotations);
   const Vector3d thigh = (chain.knee_m - chain.hip_m).stableNormalized();
   const Vector3d shin = (chain.ankle_m - chain.knee_m).stableNormalized();
   const double bend = std::atan2(thigh.cross(shin).norm(), thigh.dot(shin));
-  return {chain.hip_m, chain.knee_m, chain.ankle_m, chain.toe_m, std::copysign(bend, chain.signed_bend_sine)};
+  return {chain, std::copysign(bend, thigh.cross(shin).dot(ToldHinge(chain)))};
 }
 
 LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaterniond>& world_from_foot,
@@ -121,9 +122,10 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
   const Chain chain = Follow(root_m, rotations);
   const Vector3d thigh = chain.knee_m - chain.hip_m;
   Vector3d shin = chain.ankle_m - chain.knee_m;
-  const Quaterniond unbend = TakeOutBackwardBend(thigh, shin, chain.told);
+  const Vector3d told = ToldHinge(chain);
+  const Quaterniond unbend = TakeOutBackwardBend(thigh, shin, told);
   shin = unbend * shin;
-  const Vector3d hinge = Hinge(thigh, shin, chain.told);
+  const Vector3d hinge = Hinge(thigh, shin, told);
 
   // Turning the shin by `turn` about the hinge: thigh . shin' = along + cosine cos(turn) + sine sin(turn)
   //                                                           = along + reach cos(turn - straight).
@@ -148,8 +150,8 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
   double bend = std::min(std::acos(bend_cosine), options_.max_knee_bend_rad);
   // What a turn about the hinge leaves of a bow to the side may point backwards; bend at least as far as makes up for it.
   const Vector3d bow = thigh.cross(Eigen::AngleAxisd(straight, hinge) * shin);
-  const double backwards = -bow.dot(chain.told);
-  const double forwards = reach * hinge.dot(chain.told);
+  const double backwards = -bow.dot(told);
+  const double forwards = reach * hinge.dot(told);
   if (backwards > 0) bend = std::max(bend, std::asin(std::min(1.0, backwards / forwards)));
   const Quaterniond knee_turn = Quaterniond(Eigen::AngleAxisd(straight + bend, hinge)) * unbend;
 
@@ -161,7 +163,7 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
   rotations[knee_] = (chain.world_from_knee_parent.conjugate() * knee_turn * chain.world_from_knee).normalized();
   const Quaterniond world_from_ankle_parent = swing * knee_turn * chain.world_from_ankle_parent;
   rotations[ankle_] =
-      (world_from_ankle_parent.conjugate() * world_from_foot.value_or(chain.world_from_ankle)).normalized();
+      (world_from_ankle_parent.conjugate() * world_from_foot.value_or(chain.world_from_foot)).normalized();
   return {(chain.hip_m + swing * hip_to_ankle - ankle_m).norm(), bend};
 }
 

@@ -17,9 +17,14 @@ struct LegIkOptions {
   double max_knee_bend_rad = 2.6;
 };
 
+/// Where a leg is, in the world.
+struct LegPlace {
+  Eigen::Vector3d hip_m, knee_m, ankle_m, toe_m;
+  Eigen::Quaterniond world_from_foot;  // of the ankle joint
+};
+
 /// What a leg does in a pose.
-struct LegMeasure {
-  Eigen::Vector3d hip_m, knee_m, ankle_m, toe_m;  // world
+struct LegMeasure : LegPlace {
   double knee_bend_rad = 0;  // 0 straight, positive bent the human way, negative hyperextended
 };
 
@@ -38,7 +43,7 @@ struct LegSolution {
 /// The foot then takes the asked orientation. Joints between hip and knee, knee and ankle keep their local rotations; zero
 /// offsets are fine.
 ///
-/// Immutable after construction, safe to share between threads. No allocation in `Measure` and `Solve`.
+/// Immutable after construction, safe to share between threads. No allocation in `Place`, `Measure` and `Solve`.
 class LegIk {
  public:
   /// @throws std::invalid_argument when a role of LocomotionRoles() is missing, or hip, knee, ankle and toe do not follow
@@ -54,6 +59,7 @@ class LegIk {
   LegSolution Solve(const Eigen::Vector3d& ankle_m, const std::optional<Eigen::Quaterniond>& world_from_foot,
                     const Eigen::Vector3d& root_m, Eigen::Quaterniond* rotations) const;
 
+  LegPlace Place(const Eigen::Vector3d& root_m, const Eigen::Quaterniond* rotations) const;
   LegMeasure Measure(const Eigen::Vector3d& root_m, const Eigen::Quaterniond* rotations) const;
 
   /// Hip to ankle with the leg stretched (of the bones alone).
@@ -71,6 +77,7 @@ class LegIk {
   struct Chain;  // the leg of one pose in the world
 
   Chain Follow(const Eigen::Vector3d& root_m, const Eigen::Quaterniond* rotations) const;
+  Eigen::Vector3d ToldHinge(const Chain& chain) const;
 
   LegIkOptions options_;
   std::vector<Link> links_;  // from below the moving root to the toe

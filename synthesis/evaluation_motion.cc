@@ -25,13 +25,15 @@ EvaluationMotion PrepareEvaluation(const MotionClip& clip) {
   }
   EvaluationMotion motion;
   motion.skeleton = clip.shared_skeleton();
-  motion.joint_positions = JointPositions(clip);
-  for (int f = 0; f < motion.frame_count(); ++f) {
-    if (motion.joint_positions[static_cast<size_t>(f)].allFinite()) continue;
+  std::vector<WorldPose> poses = WorldPoses(clip);
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    if (poses[static_cast<size_t>(f)].positions.allFinite()) continue;
     throw std::invalid_argument("PrepareEvaluation: frame " + std::to_string(f) + " of '" + clip.name +
                                 "' is not finite");
   }
-  motion.contacts = DetectContacts(clip);
+  motion.contacts = DetectContacts(clip, poses);
+  motion.joint_positions.reserve(poses.size());
+  for (WorldPose& pose : poses) motion.joint_positions.push_back(std::move(pose.positions));
   motion.ground = FitGroundPlane(motion.contacts, kEvaluationRateHz);
   return motion;
 }

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <vector>
 
-#include "datasets/forward_kinematics.h"
 #include "datasets/leg_ik.h"
 
 namespace morphograph {
@@ -162,15 +161,13 @@ void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const 
     balls[side].resize(3, frames);
     ankles[side].resize(3, frames);
   }
-  WorldPose pose;
   for (int f = 0; f < frames; ++f) {
-    ForwardKinematics(clip->skeleton(), clip->rotations(f), clip->root_positions().col(f), &pose);
     for (int side = 0; side < 2; ++side) {
-      const int ankle = legs[side].ankle();
-      hips[side].col(f) = pose.positions.col(legs[side].hip());
-      ankles[side].col(f) = pose.positions.col(ankle);
-      balls[side].col(f) = pose.positions.col(legs[side].toe());
-      heels[side].col(f) = pose.positions.col(ankle) + pose.rotations[ankle] * feet.heel_offset_m[side];
+      const LegPlace leg = legs[side].Place(clip->root_positions().col(f), clip->rotations(f));
+      hips[side].col(f) = leg.hip_m;
+      ankles[side].col(f) = leg.ankle_m;
+      balls[side].col(f) = leg.toe_m;
+      heels[side].col(f) = leg.ankle_m + leg.world_from_foot * feet.heel_offset_m[side];
     }
   }
 
