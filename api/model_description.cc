@@ -42,8 +42,10 @@ ordered_json EdgeJson(const EdgeSummary& edge) {
           {"kernel",
            {{"length_scale", edge.length_scale},
             {"signal_variance", edge.signal_variance},
+            {"linear_variance", edge.linear_variance},
             {"noise_variance", edge.noise_variance}}},
-          {"log_marginal_likelihood", edge.log_marginal_likelihood}};
+          {"log_marginal_likelihood", edge.log_marginal_likelihood},
+          {"unseen_error", edge.unseen_error}};
 }
 
 // A DOT string: quotes and backslashes escaped.
@@ -148,14 +150,14 @@ std::string GraphText(const GraphSummary& summary) {
     for (const ContactSummary& contact : primitive.contacts)
       text += Format("    %s planted, phase %.2f to %.2f\n", contact.part.c_str(), contact.from_phase, contact.to_phase);
   }
-  text += Format("\n%-*s  %5s %11s %12s %9s %9s %14s\n", 2 * width + 4, "transition", "pairs", "probability",
-                 "length scale", "signal", "noise", "log marginal");
+  text += Format("\n%-*s  %5s %11s %12s %9s %9s %9s %14s %12s\n", 2 * width + 4, "transition", "pairs", "probability",
+                 "length scale", "signal", "linear", "noise", "log marginal", "unseen error");
   for (const EdgeSummary& edge : summary.edges) {
     const std::string ends = FullName(summary.primitives.at(static_cast<std::size_t>(edge.from))) + " -> " +
                              FullName(summary.primitives.at(static_cast<std::size_t>(edge.to)));
-    text += Format("%-*.130s  %5d %11.3f %12.4g %9.4g %9.4g %14.2f\n", 2 * width + 4, ends.c_str(), edge.pairs,
-                   edge.probability, edge.length_scale, edge.signal_variance, edge.noise_variance,
-                   edge.log_marginal_likelihood);
+    text += Format("%-*.130s  %5d %11.3f %12.4g %9.4g %9.4g %9.4g %14.2f %12.3f\n", 2 * width + 4, ends.c_str(), edge.pairs,
+                   edge.probability, edge.length_scale, edge.signal_variance, edge.linear_variance, edge.noise_variance,
+                   edge.log_marginal_likelihood, edge.unseen_error);
   }
   if (!summary.notes.empty()) text += "\nnotes\n";
   for (const std::string& note : summary.notes) text += "- " + note + "\n";

@@ -65,8 +65,11 @@ TrainingOutcome Train(const TrainingRequest& request) {
     read.push_back(std::move(loaded.clip));
   }
   std::vector<TrainingClip> clips;
-  for (AugmentedClip& augmented : Augment(read, AugmentationOf(manifest), request.jobs))
-    clips.push_back({std::move(augmented.clip), augmented.made});
+  int source = -1;
+  for (AugmentedClip& augmented : Augment(read, AugmentationOf(manifest), request.jobs)) {
+    if (!augmented.made) ++source;  // its copies follow
+    clips.push_back({std::move(augmented.clip), augmented.made, source});
+  }
   outcome.made = static_cast<int>(clips.size()) - outcome.clips;
   outcome.read_s = SecondsSince(started);
   if (request.cancelled && *request.cancelled) throw TrainingCancelled();

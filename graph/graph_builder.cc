@@ -55,12 +55,11 @@ class Progress {
   int work_ = 1, done_ = 0;
 };
 
-bool IsWalkStep(const TrainingStep& step) {
-  const auto walking = [](KeyframeLabel label) {
-    return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance;
-  };
-  return walking(step.start) && walking(step.end);
+bool IsWalking(KeyframeLabel label) {
+  return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance;
 }
+
+bool IsWalkStep(const TrainingStep& step) { return IsWalking(step.start) && IsWalking(step.end); }
 
 // Every clip on the skeleton of the first one, level, at a rate that is worth its work.
 std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, const TrainingOptions& options, Progress* progress,
@@ -84,6 +83,7 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
       prepared[i].contacts = DetectContacts(clip, {.height_m = kPlantedHeight_m, .speed_m_s = kPlantedSpeed_m_s});
       prepared[i].clip = std::move(clip);
       prepared[i].made = clips[i].made;
+      prepared[i].source = clips[i].source >= 0 ? clips[i].source : -1 - i;
     }
     progress->Step();
   });
@@ -156,7 +156,7 @@ struct Membership {
   int column = 0;
 };
 
-std::vector<GraphEdge> FitEdges(const std::vector<TrainingStep>& steps, const std::vector<StepClass>& classes,
+std::vector<GraphEdge> FitEdges(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps, const std::vector<StepClass>& classes,
                                 const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options, Progress* progress) {
   std::vector<Membership> place(steps.size());
   for (size_t c = 0; c < classes.size(); ++c) {
@@ -164,7 +164,11 @@ std::vector<GraphEdge> FitEdges(const std::vector<TrainingStep>& steps, const st
       place[classes[c].members[m]] = {static_cast<int>(c), static_cast<int>(m)};
     }
   }
-  std::map<std::pair<int, int>, std::vector<std::pair<int, int>>> pairs;  // (from, to) -> columns
+  struct Pair {
+    int from, to;  // columns
+    const PreparedClip* clip;
+  };
+  std::map<std::pair<int, int>, std::vector<Pair>> pairs;  // (from, to)
   for (size_t i = 0; i < steps.size(); ++i) {
     if (steps[i].previous < 0) continue;
     const Membership from = place[steps[i].previous];
@@ -173,10 +177,10 @@ std::vector<GraphEdge> FitEdges(const std::vector<TrainingStep>& steps, const st
     // Steps that still gather speed follow starts, and lead into ends; among steady kinds they would only disturb.
     const bool both_walk = IsWalkStep(steps[i]) && IsWalkStep(steps[steps[i].previous]);
     if (both_walk && !(steps[i].steady && steps[steps[i].previous].steady)) continue;
-    pairs[{from.group, to.group}].emplace_back(from.column, to.column);
+    pairs[{from.group, to.group}].push_back({from.column, to.column, &clips[steps[i].clip]});
   }
   std::vector<GraphEdge> edges;
-  std::vector<const std::vector<std::pair<int, int>>*> columns;
+  std::vector<const std::vector<Pair>*> columns;
   std::vector<double> leaving(classes.size(), 0);
   for (const auto& [ends, list] : pairs) {
     if (static_cast<int>(list.size()) < kFewestPairs) continue;
@@ -189,12 +193,18 @@ std::vector<GraphEdge> FitEdges(const std::vector<TrainingStep>& steps, const st
     const FittedPrimitive& from = fitted[edges[e].from];
     const FittedPrimitive& to = fitted[edges[e].to];
     const int count = static_cast<int>(columns[e]->size());
-    TransitionPairs training{Eigen::MatrixXd(from.latents.rows(), count), Eigen::MatrixXd(to.latents.rows(), count)};
+    TransitionPairs training{Eigen::MatrixXd(from.latents.rows(), count), Eigen::MatrixXd(to.latents.rows(), count), {}, {}};
     for (int i = 0; i < count; ++i) {
-      training.previous.col(i) = from.latents.col((*columns[e])[i].first);
-      training.next.col(i) = to.latents.col((*columns[e])[i].second);
+      const Pair& pair = (*columns[e])[i];
+      training.previous.col(i) = from.latents.col(pair.from);
+      training.next.col(i) = to.latents.col(pair.to);
+      training.clip.push_back(pair.clip->source);
+      training.made.push_back(pair.clip->made);
     }
-    edges[e].model = FitTransition(training, from.primitive.mixture, to.primitive.mixture);
+    TransitionFitOptions fit;
+    // Steps after a start still gather speed: they are not the steady ones that their primitive was learned from.
+    fit.keep_marginal = IsWalking(from.primitive.start) || !IsWalking(to.primitive.end);
+    edges[e].model = FitTransition(training, from.primitive.mixture, to.primitive.mixture, fit);
     edges[e].model.probability = count / leaving[edges[e].from];
     progress->Step();
   });
@@ -245,7 +255,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
     fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
     progress.Step();
   });
-  contents.edges = FitEdges(steps, classes, fitted, options, &progress);
+  contents.edges = FitEdges(prepared, steps, classes, fitted, options, &progress);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 
   NoteMissingPrimitives(contents, &notes);

@@ -32,6 +32,7 @@ struct TrainingOptions {
 struct TrainingClip {
   MotionClip clip;
   bool made = false;
+  int source = -1;  // a number for the captured clip that a copy was made of, the same for all its copies; -1: none but itself
 };
 
 /// Learns a motion graph from clips (METHODS sections 1-3).

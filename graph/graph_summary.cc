@@ -77,7 +77,8 @@ GraphSummary Summarise(const MotionGraph& graph) {
   for (int e = 0; e < graph.edge_count(); ++e) {
     const TransitionModel& model = graph.transition(e);
     summary.edges.push_back({graph.edge_from(e), graph.edge_to(e), model.pairs, model.probability, model.length_scale,
-                             model.signal_variance, model.noise_variance, model.log_marginal_likelihood});
+                             model.signal_variance, model.linear_variance, model.noise_variance, model.log_marginal_likelihood,
+                             model.unseen_error});
   }
   return summary;
 }

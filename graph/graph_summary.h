@@ -38,8 +38,10 @@ struct EdgeSummary {
   double probability = 0;  // empirical, of leaving `from` by this edge
   double length_scale = 0;
   double signal_variance = 0;
+  double linear_variance = 0;
   double noise_variance = 0;
   double log_marginal_likelihood = 0;
+  double unseen_error = 0;  // see TransitionModel
 };
 
 /// What `inspect` and `GET /v1/models/{name}` tell of a model.

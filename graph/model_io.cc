@@ -107,7 +107,9 @@ json EdgeToJson(int from, int to, const TransitionModel& model, ArrayWriter* arr
                {"probability", model.probability},
                {"length_scale", model.length_scale},
                {"signal_variance", model.signal_variance},
+               {"linear_variance", model.linear_variance},
                {"noise_variance", model.noise_variance},
+               {"unseen_error", model.unseen_error},
                {"log_marginal_likelihood", model.log_marginal_likelihood},
                {"component_chances", arrays->Doubles(model.component_chances)},
                {"linear", arrays->Shorts(model.linear)},
@@ -216,6 +218,8 @@ GraphEdge EdgeFromJson(const json& value, const ArrayReader& arrays) {
   model.length_scale = value.at("length_scale").get<double>();
   model.signal_variance = value.at("signal_variance").get<double>();
   model.noise_variance = value.at("noise_variance").get<double>();
+  model.linear_variance = value.value("linear_variance", 0.0);  // not in files of older programs, as little as the next
+  model.unseen_error = value.value("unseen_error", 0.0);
   model.log_marginal_likelihood = value.at("log_marginal_likelihood").get<double>();
   model.component_chances = arrays.Doubles(value.at("component_chances"));
   model.linear = arrays.Floats(value.at("linear"));

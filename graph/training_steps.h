@@ -17,6 +17,7 @@ struct PreparedClip {
   MotionClip clip;
   ContactTrack contacts;
   bool made = false;
+  int source = 0;  // equal for the copies of one captured clip
 };
 
 /// A segment of the capture, one step.

@@ -4,9 +4,15 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 #include <algorithm>
+#include <boost/random/normal_distribution.hpp>
 #include <cmath>
+#include <map>
+#include <random>
 #include <stdexcept>
 
+#include "graph/internal/kernel_matrix.h"
+#include "graph/internal/kernel_search.h"
+#include "graph/internal/linear_evidence.h"
 #include "primitives/whitening.h"
 
 namespace morphograph {
@@ -35,17 +41,10 @@ Eigen::MatrixXd SymmetricPower(const Eigen::MatrixXd& matrix, double exponent, d
   return solver.eigenvectors() * powers.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-Eigen::MatrixXd RidgeMap(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets, const TransitionFitOptions& options) {
-  const double n = static_cast<double>(inputs.cols());
-  Eigen::MatrixXd gram = inputs * inputs.transpose() / n;
-  gram.diagonal().array() += options.ridge;
-  const Eigen::LLT<Eigen::MatrixXd> llt(gram);
-  if (llt.info() != Eigen::Success) throw std::runtime_error("FitTransition: ridge system is not positive definite");
-  const Eigen::MatrixXd cross = inputs * targets.transpose() / n;
-  const Eigen::MatrixXd map = llt.solve(cross).transpose();
-  // A gain of one or more would let walks drift off for ever.
+// A gain of one or more would let walks drift off for ever.
+Eigen::MatrixXd WithGainsUpTo(double largest, const Eigen::MatrixXd& map) {
   const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd gains = svd.singularValues().cwiseMin(options.largest_gain);
+  const Eigen::VectorXd gains = svd.singularValues().cwiseMin(largest);
   return svd.matrixU() * gains.asDiagonal() * svd.matrixV().transpose();
 }
 
@@ -58,35 +57,93 @@ Eigen::MatrixXd ComponentChances(const Whitened& source, const Whitened& target,
   return chances;
 }
 
-// What the process would miss each pair by, had it not seen it: alpha_i / (K^-1)_ii (Rasmussen & Williams 2006, Eq. 5.12).
-// Residuals of the fit itself would shrink as the process follows its data.
-Eigen::MatrixXd LeaveOneOutResiduals(const GaussianProcess& process, const Eigen::MatrixXd& inputs,
-                                     const Eigen::MatrixXd& targets) {
+// What the process would miss each pair by, had it seen no pair of the same clip: with K^-1 the inverse of kernel and noise and G
+// the pairs of a clip, ((K^-1)_GG)^-1 (K^-1 Y^T)_G (Rasmussen & Williams 2006, Eq. 5.12, for blocks). Residuals of the fit itself
+// would shrink as the process follows its data.
+Eigen::MatrixXd UnseenResiduals(const GaussianProcess& process, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& targets,
+                                const std::vector<int>& clips) {
   const Eigen::Index n = targets.cols();
+  Eigen::MatrixXd residuals(targets.rows(), n);
   if (process.points() != n) {  // inducing points: few against the pairs, so the fit follows single ones little
-    Eigen::MatrixXd residuals = targets;
-    for (Eigen::Index i = 0; i < n; ++i) residuals.col(i) -= process.PredictMean(inputs.col(i));
+    for (Eigen::Index i = 0; i < n; ++i) residuals.col(i) = targets.col(i) - process.PredictMean(inputs.col(i));
     return residuals;
   }
-  const GaussianProcessKernel& kernel = process.kernel();
-  Eigen::MatrixXd gram(n, n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    for (Eigen::Index j = 0; j <= i; ++j) {
-      const double squared = (process.inputs().col(i) - process.inputs().col(j)).squaredNorm();
-      gram(i, j) = gram(j, i) = kernel.signal_variance * std::exp(-0.5 * squared / (kernel.length_scale * kernel.length_scale));
-    }
-    gram(i, i) += kernel.noise_variance;
+  Eigen::MatrixXd covariance = internal::KernelMatrix(process.kernel(), inputs);
+  covariance.diagonal().array() += process.kernel().noise_variance;
+  const Eigen::MatrixXd inverse = internal::CholeskyWithJitter(covariance).solve(Eigen::MatrixXd::Identity(n, n));
+  std::map<int, std::vector<Eigen::Index>> members;
+  for (Eigen::Index i = 0; i < n; ++i) members[clips.empty() ? static_cast<int>(i) : clips[static_cast<size_t>(i)]].push_back(i);
+  for (const auto& [clip, of_clip] : members) {
+    const Eigen::MatrixXd block = inverse(of_clip, of_clip);
+    const Eigen::MatrixXd alpha = process.alpha()(of_clip, Eigen::all);
+    residuals(Eigen::all, of_clip) = internal::CholeskyWithJitter(block).solve(alpha).transpose();
   }
-  const Eigen::LLT<Eigen::MatrixXd> llt(gram);
-  if (llt.info() != Eigen::Success) throw std::runtime_error("FitTransition: kernel matrix is not positive definite");
-  const Eigen::MatrixXd inverse = llt.solve(Eigen::MatrixXd::Identity(n, n));
-  return (inverse * targets.transpose()).transpose() * inverse.diagonal().cwiseInverse().asDiagonal();
+  return residuals;
 }
 
-// Log density of the columns under isotropic noise of their own mean square: what a process has to beat.
-double WhiteNoiseEvidence(const Eigen::MatrixXd& values) {
-  const double variance = std::max(values.squaredNorm() / values.size(), 1e-9);  // pairs may be met exactly
-  return -0.5 * values.size() * (std::log(2 * M_PI * variance) + 1);
+// The pairs that a kernel is chosen by: captured ones, as copies of one step are no independent evidence of anything.
+std::vector<Eigen::Index> CapturedPairs(const TransitionPairs& pairs) {
+  std::vector<Eigen::Index> captured, all;
+  for (Eigen::Index i = 0; i < pairs.next.cols(); ++i) {
+    all.push_back(i);
+    if (pairs.made.empty() || !pairs.made[static_cast<size_t>(i)]) captured.push_back(i);
+  }
+  return captured.size() >= 2 ? captured : all;
+}
+
+// Mean and covariance of A w + f(w) over w ~ N(0, I).
+struct Explained {
+  Eigen::VectorXd mean;
+  Eigen::MatrixXd covariance;
+};
+
+Explained ExplainedBy(const Eigen::MatrixXd& linear, const std::optional<GaussianProcess>& process) {
+  constexpr int kDraws = 4000;
+  Explained explained{Eigen::VectorXd::Zero(linear.rows()), linear * linear.transpose()};
+  if (!process) return explained;
+  std::mt19937_64 rng(1);
+  boost::random::normal_distribution<double> normal;
+  Eigen::MatrixXd means(linear.rows(), kDraws);
+  Eigen::VectorXd w(linear.cols());
+  for (int i = 0; i < kDraws; i += 2) {  // w and -w: the linear part's mean is then exact
+    for (double& value : w) value = normal(rng);
+    means.col(i) = linear * w + process->PredictMean(w);
+    means.col(i + 1) = -linear * w + process->PredictMean(-w);
+  }
+  explained.mean = means.rowwise().mean();
+  means.colwise() -= explained.mean;
+  explained.covariance = means * means.transpose() / kDraws;
+  return explained;
+}
+
+// Second moments of the columns, shrunk towards their diagonal, which steadies small samples.
+Eigen::MatrixXd ShrunkMoments(const Eigen::MatrixXd& values) {
+  const double count = static_cast<double>(values.cols()), dims = static_cast<double>(values.rows());
+  Eigen::MatrixXd moments = values * values.transpose() / count;
+  const double shrink = dims / (dims + count);
+  const Eigen::VectorXd diagonal = moments.diagonal();
+  moments *= 1 - shrink;
+  moments.diagonal() += shrink * diagonal;
+  return moments;
+}
+
+// Takes the mean of each component's residuals out: what is left of it would move a component's mean from step to step.
+void Centre(const std::vector<int>& component, Eigen::MatrixXd* residuals) {
+  std::map<int, std::vector<Eigen::Index>> members;
+  for (size_t i = 0; i < component.size(); ++i) members[component[i]].push_back(static_cast<Eigen::Index>(i));
+  for (const auto& [c, of_component] : members) {
+    if (of_component.size() < 2) continue;
+    const Eigen::VectorXd mean = (*residuals)(Eigen::all, of_component).rowwise().mean();
+    for (const Eigen::Index i : of_component) residuals->col(i) -= mean;
+  }
+}
+
+// Residuals given the second moments `wanted`: their directions up to what shrinking leaves, their sum exactly.
+Eigen::MatrixXd Recoloured(const Eigen::MatrixXd& residuals, const Eigen::MatrixXd& wanted, double smallest) {
+  const Eigen::MatrixXd recoloured =
+      SymmetricPower(wanted, 0.5, smallest) * SymmetricPower(ShrunkMoments(residuals), -0.5, 1e-6) * residuals;
+  const double energy = recoloured.squaredNorm() / static_cast<double>(recoloured.cols());
+  return energy > 0 ? Eigen::MatrixXd(std::sqrt(wanted.trace() / energy) * recoloured) : recoloured;
 }
 
 }  // namespace
@@ -99,6 +156,10 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   if (pairs.previous.rows() != source.dimension() || pairs.next.rows() != target.dimension()) {
     throw std::invalid_argument("FitTransition: latents do not fit the mixtures");
   }
+  const auto fits = [&](size_t size) { return size == 0 || size == static_cast<size_t>(pairs.next.cols()); };
+  if (!fits(pairs.clip.size()) || !fits(pairs.made.size())) {
+    throw std::invalid_argument("FitTransition: needs the clip of every pair, or of none");
+  }
   const Whitened from = Whiten(pairs.previous, source);
   const Whitened to = Whiten(pairs.next, target);
   const int count = static_cast<int>(pairs.previous.cols());
@@ -108,45 +169,45 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   model.component_chances = ComponentChances(from, to, source, target, options.chance_prior);
   model.residual_component = to.component;
 
-  const Eigen::MatrixXd linear = RidgeMap(from.values, to.values, options);
-  const Eigen::MatrixXd left_over = to.values - linear * from.values;
-  model.linear = linear.cast<float>();
-  model.log_marginal_likelihood = WhiteNoiseEvidence(left_over);
-  model.noise_variance = left_over.squaredNorm() / left_over.size();
-
-  Eigen::MatrixXd residuals = left_over;
+  const std::vector<Eigen::Index> captured = CapturedPairs(pairs);
+  const Eigen::MatrixXd captured_from = from.values(Eigen::all, captured), captured_to = to.values(Eigen::all, captured);
+  GaussianProcess used = GaussianProcess::Condition(internal::SearchLinearKernel(captured_from, captured_to), from.values, to.values);
+  Eigen::MatrixXd residuals = UnseenResiduals(used, from.values, to.values, pairs.clip);
   if (count >= options.min_pairs_for_process) {
-    GaussianProcess process = GaussianProcess::Fit(from.values, left_over);
-    model.length_scale = process.kernel().length_scale;
-    model.signal_variance = process.kernel().signal_variance;
-    // The process has two parameters more than white noise. Pairs are seldom near each other in fifty dimensions, and a process
-    // that only remembers its few near ones would cost time and give nothing.
-    const double worth = process.log_marginal_likelihood() - model.log_marginal_likelihood;
-    if (worth > options.process_gain * static_cast<double>(left_over.size())) {
-      model.log_marginal_likelihood = process.log_marginal_likelihood();
-      model.noise_variance = process.kernel().noise_variance;
-      residuals = LeaveOneOutResiduals(process, from.values, left_over);
-      model.process = std::move(process);
+    const GaussianProcessOptions with_linear{.linear = true, .min_noise_ratio = 0.05};
+    GaussianProcess both = GaussianProcess::Condition(internal::SearchKernel(captured_from, captured_to, with_linear), from.values,
+                                                      to.values);
+    model.length_scale = both.kernel().length_scale;
+    Eigen::MatrixXd of_both = UnseenResiduals(both, from.values, to.values, pairs.clip);
+    if (of_both.squaredNorm() < (1 - options.process_gain) * residuals.squaredNorm()) {
+      used = std::move(both);
+      residuals = std::move(of_both);
     }
   }
+  const GaussianProcessKernel& kernel = used.kernel();
+  model.signal_variance = kernel.signal_variance;
+  model.linear_variance = kernel.linear_variance;
+  model.noise_variance = kernel.noise_variance;
+  model.log_marginal_likelihood = used.log_marginal_likelihood();
+  model.unseen_error = residuals.squaredNorm() / static_cast<double>(residuals.size());
 
-  // Cov(A w + f(w)) + noise = I keeps the marginal. Shrinking the sample covariances towards their diagonal steadies small samples.
-  const Eigen::MatrixXd means = to.values - residuals;
-  const auto shrunk_covariance = [count](const Eigen::MatrixXd& values) {
-    Eigen::MatrixXd covariance = values * values.transpose() / count;
-    const double dims = static_cast<double>(values.rows());
-    const double shrink = dims / (dims + count);
-    const Eigen::VectorXd diagonal = covariance.diagonal();
-    covariance *= 1 - shrink;
-    covariance.diagonal() += shrink * diagonal;
-    return covariance;
-  };
-  const Eigen::MatrixXd explained = shrunk_covariance(means);
-  const Eigen::MatrixXd wanted =
-      SymmetricPower(Eigen::MatrixXd::Identity(explained.rows(), explained.cols()) - explained, 1.0, options.smallest_noise);
-  const Eigen::MatrixXd recolour =
-      SymmetricPower(wanted, 0.5, options.smallest_noise) * SymmetricPower(shrunk_covariance(residuals), -0.5, 1e-6);
-  model.residuals = (recolour * residuals).cast<float>();
+  // The mean alpha^T k(w) falls into A w, by the linear part of the kernel, and f(w), by the rest of it.
+  const Eigen::MatrixXd linear =
+      WithGainsUpTo(options.largest_gain, kernel.linear_variance * used.alpha().transpose() * used.inputs().transpose());
+  model.linear = linear.cast<float>();
+  if (kernel.signal_variance > 0) {
+    GaussianProcessKernel rbf = kernel;
+    rbf.linear_variance = 0;
+    model.process.emplace(rbf, used.inputs(), used.alpha(), used.log_marginal_likelihood());
+  }
+
+  // Cov(A w + f(w)) + noise = I keeps the marginal.
+  if (options.keep_marginal) Centre(to.component, &residuals);
+  const Explained explained = ExplainedBy(linear, model.process);
+  const Eigen::MatrixXd wanted = SymmetricPower(
+      Eigen::MatrixXd::Identity(linear.rows(), linear.rows()) - explained.covariance, 1.0, options.smallest_noise);
+  if (options.keep_marginal) residuals = Recoloured(residuals, wanted, options.smallest_noise).colwise() - explained.mean;
+  model.residuals = residuals.cast<float>();
   const Eigen::LLT<Eigen::MatrixXd> llt(wanted);
   if (llt.info() != Eigen::Success) throw std::runtime_error("FitTransition: noise covariance is not positive definite");
   model.noise_cholesky = llt.matrixL();

@@ -8,12 +8,14 @@
 namespace morphograph {
 
 struct TransitionFitOptions {
-  double ridge = 0.3;           // of the linear part, relative to unit input variance
   double largest_gain = 0.97;   // singular values of the linear part stay below
   double smallest_noise = 0.02; // eigenvalues of the noise covariance stay above (whitened units)
   double chance_prior = 1.0;    // pseudo-counts of the component chain, spread by the target's component weights
   int min_pairs_for_process = 5;
-  double process_gain = 0.01;   // log likelihood per value that the process must add to what white noise explains
+  /// Whether the pairs are all that is known of the target, so that its marginal is to be kept. If not, as for the steps after a
+  /// start, which still gather speed, residuals stay as they are.
+  bool keep_marginal = true;
+  double process_gain = 0.02;   // part of A's error on unseen clips that the RBF part has to take away to be kept
 };
 
 /// Fits a transition to pairs of latents that follow each other in the capture (see TransitionModel).

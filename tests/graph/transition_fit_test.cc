@@ -41,7 +41,7 @@ Fitted FitChain(int steps) {
   std::mt19937_64 rng(5);
   const Eigen::MatrixXd chain = Chain(steps, rng);
   Fitted fitted{OneGaussian(chain), {}};
-  fitted.model = FitTransition({chain.leftCols(steps - 1), chain.rightCols(steps - 1)}, fitted.mixture, fitted.mixture);
+  fitted.model = FitTransition({chain.leftCols(steps - 1), chain.rightCols(steps - 1), {}, {}}, fitted.mixture, fitted.mixture);
   return fitted;
 }
 
@@ -63,6 +63,63 @@ TEST(TransitionFit, WalkingOnForTwoHundredStepsKeepsTheCapturedMarginal) {
     EXPECT_GT(std::sqrt(covariance(d, d)), 0.9) << d;
     EXPECT_LT(std::sqrt(covariance(d, d)), 1.1) << d;
   }
+}
+
+// Pairs of nine clips in six copies each. Their next latents follow no function of the ones before, but the copies of a clip
+// are near each other: whoever judges by them believes that everything can be told.
+TransitionPairs Copies(int dims, std::mt19937_64& rng) {
+  constexpr int kClips = 9, kPairs = 6, kCopies = 6;
+  TransitionPairs pairs{Eigen::MatrixXd(dims, kClips * kPairs * kCopies), Eigen::MatrixXd(dims, kClips * kPairs * kCopies), {}, {}};
+  int column = 0;
+  for (int clip = 0; clip < kClips; ++clip) {
+    for (int i = 0; i < kPairs; ++i) {
+      const Eigen::VectorXd previous = testing::RandomNormal(dims, 1, rng), next = testing::RandomNormal(dims, 1, rng);
+      for (int copy = 0; copy < kCopies; ++copy, ++column) {
+        pairs.previous.col(column) = previous + 0.2 * testing::RandomNormal(dims, 1, rng);
+        pairs.next.col(column) = next + 0.2 * testing::RandomNormal(dims, 1, rng);
+        pairs.clip.push_back(clip);
+        pairs.made.push_back(copy > 0);
+      }
+    }
+  }
+  return pairs;
+}
+
+TEST(TransitionFit, CopiesOfAClipAreNoEvidenceForEachOther) {
+  std::mt19937_64 rng(21);
+  const TransitionPairs pairs = Copies(12, rng);
+  const GaussianMixture mixture = OneGaussian(pairs.next);
+  EXPECT_FALSE(FitTransition(pairs, mixture, mixture).process);
+  EXPECT_GT(FitTransition(pairs, mixture, mixture).unseen_error, 0.9);
+  // The same pairs, each on its own, look as if they could be told almost entirely.
+  const TransitionPairs blind{pairs.previous, pairs.next, {}, {}};
+  EXPECT_TRUE(FitTransition(blind, mixture, mixture).process);
+  EXPECT_LT(FitTransition(blind, mixture, mixture).unseen_error, 0.3);
+}
+
+// Next latents bend with the ones before, so that the RBF part has something to tell.
+TEST(TransitionFit, KeepsTheMarginalWithAnRbfPartToo) {
+  constexpr int kWalks = 500;
+  std::mt19937_64 rng(23);
+  Eigen::MatrixXd chain(2, 400);
+  Eigen::Vector2d x(0.3, 0);
+  for (int i = 0; i < chain.cols(); ++i) {
+    x = Eigen::Vector2d(1.6 * std::sin(2 * x[0]) + 0.1 * x[1], 0.5 * x[0]) + 0.2 * testing::RandomNormal(2, 1, rng);
+    chain.col(i) = x;
+  }
+  const GaussianMixture mixture = OneGaussian(chain);
+  const TransitionModel model = FitTransition({chain.leftCols(399), chain.rightCols(399), {}, {}}, mixture, mixture);
+  ASSERT_TRUE(model.process);
+  boost::random::uniform_int_distribution<int> pick(0, static_cast<int>(model.residuals.cols()) - 1);
+  Eigen::MatrixXd late(2, kWalks);
+  for (int walk = 0; walk < kWalks; ++walk) {
+    Eigen::VectorXd w = testing::RandomNormal(2, 1, rng);
+    for (int step = 0; step < 200; ++step) w = model.Mean(w) + model.residuals.col(pick(rng)).cast<double>();
+    late.col(walk) = w;
+  }
+  const Eigen::MatrixXd centred = late.colwise() - late.rowwise().mean();
+  const double variance = centred.squaredNorm() / static_cast<double>(centred.size());
+  EXPECT_NEAR(variance, 1, 0.12);
 }
 
 TEST(TransitionFit, LinearPartNeverGrowsAVector) {
@@ -94,7 +151,7 @@ TEST(TransitionFit, ComponentChancesFollowTheCapture) {
   std::mt19937_64 em(1);
   const GaussianMixture mixture = FitGaussianMixture(chain, 2, CovarianceForm::kDiagonal, {}, em).mixture;
   ASSERT_EQ(mixture.size(), 2);
-  const TransitionModel model = FitTransition({chain.leftCols(199), chain.rightCols(199)}, mixture, mixture);
+  const TransitionModel model = FitTransition({chain.leftCols(199), chain.rightCols(199), {}, {}}, mixture, mixture);
   for (int c = 0; c < 2; ++c) {
     EXPECT_NEAR(model.component_chances.row(c).sum(), 1, 1e-12);
     EXPECT_GT(model.component_chances(c, 1 - c), 0.95);
@@ -105,9 +162,10 @@ TEST(TransitionFit, RefusesPairsThatDoNotFit) {
   std::mt19937_64 rng(5);
   const Eigen::MatrixXd chain = Chain(50, rng);
   const GaussianMixture mixture = OneGaussian(chain);
-  EXPECT_THROW(FitTransition({Eigen::MatrixXd(kDims, 0), Eigen::MatrixXd(kDims, 0)}, mixture, mixture), std::invalid_argument);
-  EXPECT_THROW(FitTransition({chain, chain.leftCols(10)}, mixture, mixture), std::invalid_argument);
-  EXPECT_THROW(FitTransition({chain.topRows(2), chain.topRows(2)}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({Eigen::MatrixXd(kDims, 0), Eigen::MatrixXd(kDims, 0), {}, {}}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({chain, chain.leftCols(10), {}, {}}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({chain.topRows(2), chain.topRows(2), {}, {}}, mixture, mixture), std::invalid_argument);
+  EXPECT_THROW(FitTransition({chain, chain, {1, 2}, {}}, mixture, mixture), std::invalid_argument);
 }
 
 }  // namespace
