@@ -61,7 +61,7 @@ bool IsWalking(KeyframeLabel label) {
 
 bool IsWalkStep(const TrainingStep& step) { return IsWalking(step.start) && IsWalking(step.end); }
 
-// Every clip on the skeleton of the first one, level, at a rate that is worth its work.
+// Every clip on the skeleton of the first one, at a rate that is worth its work.
 std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, const TrainingOptions& options, Progress* progress,
                                        std::vector<std::string>* notes) {
   const std::shared_ptr<const Skeleton> skeleton = clips.front().clip.shared_skeleton();

@@ -28,7 +28,7 @@ struct TrainingOptions {
   const std::atomic<bool>* cancelled = nullptr;
 };
 
-/// A clip to learn from; `made` marks mirrored, bent and synthetic ones.
+/// A clip to learn from, on a level floor at y = 0 (Augment puts it there); `made` marks mirrored, bent and synthetic ones.
 struct TrainingClip {
   MotionClip clip;
   bool made = false;

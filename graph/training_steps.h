@@ -12,7 +12,7 @@
 
 namespace morphograph {
 
-/// A clip made ready to learn from: the model's skeleton, level floor, at most kWorkRate_hz, contacts found.
+/// A clip made ready to learn from: the model's skeleton, at most kWorkRate_hz, contacts found.
 struct PreparedClip {
   MotionClip clip;
   ContactTrack contacts;
