@@ -51,11 +51,19 @@ ordered_json ComparisonJson(const SetComparison& comparison) {
 }
 
 ordered_json EvaluateBvh(std::string_view bvh, const std::string& name) {
-  // A stranger's file may not take more memory than its own size warrants.
+  // A stranger's file may not take more memory than its own size warrants. With these a clip takes some 400 MB at most.
+  constexpr std::int64_t kMaxJointFrames = 4'000'000;
   BvhLimits limits;
   limits.max_values = 40'000'000;
+  limits.max_joint_frames = kMaxJointFrames;
   MotionClip clip = ImportClip(ParseBvh(bvh, name, limits));
   clip.name = name;
+  const double longest_s = kMaxJointFrames / kEvaluationRateHz / clip.joint_count();
+  if (clip.duration_s() > longest_s) {
+    throw ProblemError(422, "the clip cannot be evaluated: it claims " + std::to_string(std::llround(clip.duration_s())) +
+                                " s; at most " + std::to_string(std::llround(longest_s)) + " s of " +
+                                std::to_string(clip.joint_count()) + " joints are taken");
+  }
   try {
     return EvaluationJson(clip, EvaluateClip(clip));
   } catch (const std::invalid_argument& unfit) {  // no leg roles, fewer than two frames

@@ -5,7 +5,6 @@
 
 #include "api/model_description.h"
 #include "datasets/augmentation.h"
-#include "datasets/dataset_loader.h"
 #include "datasets/errors.h"
 #include "datasets/manifest.h"
 #include "graph/graph_builder.h"
@@ -54,7 +53,7 @@ TrainingOutcome Train(const TrainingRequest& request) {
   TrainingOutcome outcome;
   tell("reading clips", 0);
   auto started = Clock::now();
-  Dataset dataset = LoadDataset(request.data, manifest, request.jobs);
+  Dataset dataset = LoadDataset(request.data, manifest, request.jobs, request.limits);
   outcome.clips = static_cast<int>(dataset.clips.size());
   outcome.notes = dataset.notes;
   for (const SkippedClip& skipped : dataset.skipped)

@@ -8,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "datasets/dataset_loader.h"
 #include "graph/motion_graph.h"
 
 namespace morphograph {
@@ -18,6 +19,7 @@ struct TrainingRequest {
   std::optional<std::filesystem::path> manifest;
   std::string name;                   // empty: the manifest's, else the action
   std::optional<std::string> action;  // empty: the manifest's
+  DatasetLimits limits;
   int jobs = 1;
   std::string command;  // kept in the model as its provenance
   std::function<void(const std::string& stage, double fraction)> progress;  // of the whole, [0, 1]

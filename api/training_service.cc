@@ -9,7 +9,7 @@
 
 #include "api/error_mapping.h"
 #include "api/training.h"
-#include "datasets/bvh_writer.h"
+#include "datasets/atomic_file.h"
 #include "datasets/errors.h"
 #include "graph/graph_builder.h"
 #include "graph/model_io.h"
@@ -52,6 +52,15 @@ std::string NewId() {
     id += part;
   }
   return id;
+}
+
+// What an upload may take in memory: copies are made of its clips (mirrored, bent), so a set of 640 MB becomes some 2 GB.
+DatasetLimits UploadLimits() {
+  DatasetLimits limits;
+  limits.file.max_values = 40'000'000;
+  limits.file.max_joint_frames = 10'000'000;
+  limits.max_joint_frames = 20'000'000;
+  return limits;
 }
 
 void MakeFolder(const fs::path& path) {
@@ -216,6 +225,7 @@ void TrainingService::Run(Job job) {
   if (fs::exists(uploads / "manifest.json")) request.manifest = uploads / "manifest.json";
   request.name = job.model;
   if (!job.action.empty()) request.action = job.action;
+  request.limits = UploadLimits();
   request.jobs = threads_;
   request.command = "POST /v1/models";
   request.cancelled = &cancelled_;

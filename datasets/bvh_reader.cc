@@ -327,6 +327,12 @@ class Parser {
                                 " channels claimed; at most " + std::to_string(limits_.max_values) +
                                 " values are read");
     }
+    const auto joints = static_cast<std::int64_t>(document_.nodes.size());
+    if (frames * joints > limits_.max_joint_frames) {
+      scan_.Fail(frames_at, "Frames: " + std::to_string(frames) + " frames of " + std::to_string(joints) +
+                                " joints claimed; at most " + std::to_string(limits_.max_joint_frames) +
+                                " rotations are read");
+    }
     scan_.ExpectLabel({"Frame", "Time"});
     document_.frame_time_s = scan_.Number("Frame Time");
     if (!(document_.frame_time_s > 0)) scan_.Fail(scan_.start(), "Frame Time must be positive");

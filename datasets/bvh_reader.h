@@ -14,6 +14,9 @@ struct BvhLimits {
   int max_depth = 500;
   std::int64_t max_frames = 2'000'000;
   std::int64_t max_values = 400'000'000;  // channels x frames
+  // Joints x frames, whether or not the joints have channels: a clip holds a rotation for each, 32 bytes, which a file of a few
+  // characters a frame can ask for by the thousand.
+  std::int64_t max_joint_frames = 40'000'000;
 };
 
 /// Parses BVH text.

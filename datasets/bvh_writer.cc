@@ -1,19 +1,12 @@
 #include "datasets/bvh_writer.h"
 
-#include <fcntl.h>
-#include <sys/stat.h>
-#include <unistd.h>
-
 #include <array>
-#include <atomic>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <stdexcept>
-
-#include "datasets/errors.h"
+#include <string_view>
+#include <vector>
 
 namespace morphograph {
 namespace {
@@ -200,69 +193,11 @@ class Writer {
   std::string text_;
 };
 
-[[noreturn]] void FailWrite(const std::filesystem::path& path, const char* what, int error) {
-  throw DatasetError(path.string(), std::string(what) + ": " + std::strerror(error));
-}
-
-// 0 or the system's error.
-int WriteAll(int file, std::string_view bytes) {
-  while (!bytes.empty()) {
-    const ssize_t written = ::write(file, bytes.data(), bytes.size());
-    if (written < 0) {
-      if (errno == EINTR) continue;
-      return errno;
-    }
-    bytes.remove_prefix(static_cast<size_t>(written));
-  }
-  return 0;
-}
-
 }  // namespace
 
 std::string WriteBvh(const BvhDocument& document, const BvhWriteOptions& options) {
   CheckDocument(document, options);
   return Writer(document, options).Write();
-}
-
-void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes) {
-  std::error_code error;
-  const std::filesystem::file_status status = std::filesystem::status(path, error);
-  if (std::filesystem::is_directory(status)) FailWrite(path, "cannot be written", EISDIR);
-  if (std::filesystem::exists(status) && !std::filesystem::is_regular_file(status)) {
-    // A device or a pipe must not be replaced by a file.
-    const int file = ::open(path.c_str(), O_WRONLY | O_CLOEXEC);
-    if (file < 0) FailWrite(path, "cannot be opened", errno);
-    const int failure = WriteAll(file, bytes);
-    ::close(file);
-    if (failure) FailWrite(path, "cannot be written", failure);
-    return;
-  }
-  std::filesystem::path target = path;  // behind a link stands the file to replace
-  if (std::filesystem::exists(status)) {
-    target = std::filesystem::canonical(path, error);
-    if (error) FailWrite(path, "cannot be written", error.value());
-  }
-  // A name of our own, so that two writers of one file never share a temporary.
-  static std::atomic<unsigned> counter = 0;
-  std::string temporary;
-  int file = -1;
-  do {
-    temporary = target.string() + ".tmp" + std::to_string(::getpid()) + "-" + std::to_string(counter++);
-    file = ::open(temporary.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-  } while (file < 0 && errno == EEXIST);
-  if (file < 0) FailWrite(path, "cannot be created", errno);
-  int failure = WriteAll(file, bytes);
-  struct stat existing;
-  if (!failure && ::stat(target.c_str(), &existing) == 0 && ::fchmod(file, existing.st_mode & 07777) != 0) {
-    failure = errno;
-  }
-  if (!failure && ::fsync(file) != 0) failure = errno;
-  if (::close(file) != 0 && !failure) failure = errno;
-  if (!failure && ::rename(temporary.c_str(), target.c_str()) != 0) failure = errno;
-  if (failure) {
-    ::unlink(temporary.c_str());
-    FailWrite(path, "cannot be written", failure);
-  }
 }
 
 }  // namespace morphograph

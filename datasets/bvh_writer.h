@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 
 #include "datasets/bvh_document.h"
@@ -14,9 +13,5 @@ struct BvhWriteOptions {
 /// BVH text, `\n` line ends, locale-independent. @throws std::invalid_argument on inconsistent sizes or
 /// values that are not finite.
 std::string WriteBvh(const BvhDocument& document, const BvhWriteOptions& options = {});
-
-/// Writes text to a file atomically (temporary file beside it, then rename): a failure leaves no partial
-/// file behind and an existing one whole. @throws DatasetError naming the path and the system's reason.
-void WriteFileAtomically(const std::filesystem::path& path, std::string_view bytes);
 
 }  // namespace morphograph

@@ -29,7 +29,7 @@ struct ClipImportReport {
 ///
 /// Position channels replace the joint's OFFSET. Motion of joints above the hips is folded into the hips'.
 /// A bone whose position channels vary keeps its median offset, and the report says so.
-/// @throws DatasetError when the document has no frame or no usable root.
+/// @throws DatasetError when the document has no frame or no usable root, or a frame time outside of 0.001 to 1 s.
 MotionClip ImportClip(const BvhDocument& document, const ClipImportOptions& options = {},
                       ClipImportReport* report = nullptr);
 

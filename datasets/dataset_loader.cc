@@ -1,6 +1,7 @@
 #include "datasets/dataset_loader.h"
 
 #include <algorithm>
+#include <atomic>
 #include <optional>
 #include <regex>
 #include <set>
@@ -102,11 +103,12 @@ std::vector<std::string> FindStyles(const std::vector<FoundFile>& files, const D
   return styles;
 }
 
-LoadedClip LoadClip(const fs::path& file, const ClipSelection& selection, const ClipImportOptions& options) {
+LoadedClip LoadClip(const fs::path& file, const ClipSelection& selection, const ClipImportOptions& options,
+                    const BvhLimits& limits) {
   LoadedClip loaded;
   loaded.file = file;
   ClipImportReport report;
-  loaded.clip = ImportClip(ReadBvhFile(file), options, &report);
+  loaded.clip = ImportClip(ReadBvhFile(file, limits), options, &report);
   loaded.first_frame = report.dropped_frames;
   loaded.note = report.note;
   const int file_frames = loaded.clip.frame_count() + report.dropped_frames;
@@ -134,7 +136,8 @@ std::vector<fs::path> FindBvhFiles(const std::vector<fs::path>& paths) {
   return files;
 }
 
-Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& manifest, int jobs) {
+Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& manifest, int jobs,
+                    const DatasetLimits& limits) {
   Dataset dataset;
   std::vector<FoundFile> files;
   std::set<std::string> stems;
@@ -157,10 +160,16 @@ Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& m
 
   const std::vector<std::string> styles = FindStyles(files, manifest);
   dataset.clips.resize(files.size());
+  std::atomic<std::int64_t> joint_frames = 0;
   ParallelFor(jobs, static_cast<int>(files.size()), [&](int i) {
     const auto found = manifest.clips.find(files[i].file.stem().string());
     const ClipSelection selection = found == manifest.clips.end() ? ClipSelection() : found->second;
-    dataset.clips[i] = LoadClip(files[i].file, selection, manifest.import);
+    dataset.clips[i] = LoadClip(files[i].file, selection, manifest.import, limits.file);
+    const MotionClip& clip = dataset.clips[i].clip;
+    if ((joint_frames += std::int64_t{clip.joint_count()} * clip.frame_count()) > limits.max_joint_frames) {
+      throw DatasetError(files[i].file.string(), "the set is too large: more than " +
+                                                     std::to_string(limits.max_joint_frames) + " rotations with this clip");
+    }
     dataset.clips[i].clip.style = selection.style.value_or(styles[i]);
   });
   return dataset;

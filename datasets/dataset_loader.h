@@ -1,13 +1,22 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
+#include <limits>
 #include <string>
 #include <vector>
 
+#include "datasets/bvh_reader.h"
 #include "datasets/manifest.h"
 #include "datasets/motion_clip.h"
 
 namespace morphograph {
+
+/// What a set may hold, so that a stranger's stays cheap.
+struct DatasetLimits {
+  BvhLimits file;
+  std::int64_t max_joint_frames = std::numeric_limits<std::int64_t>::max();  // joints x frames over all clips, 32 bytes each
+};
 
 /// A clip and where it comes from.
 struct LoadedClip {
@@ -38,8 +47,8 @@ std::vector<std::filesystem::path> FindBvhFiles(const std::vector<std::filesyste
 ///
 /// Styles come from the manifest. Without a `style` pattern there, and when every file stem of the set has the form
 /// `<anything>_<word>_<number>`, the word is the style ("dataset-2_walk_elderly_004"); else styles are empty.
-/// @throws DatasetError naming the file of the first clip that is broken, or when nothing is left to use.
+/// @throws DatasetError naming the file of the first clip that is broken, when nothing is left to use, or when the set is too large.
 Dataset LoadDataset(const std::vector<std::filesystem::path>& paths, const DatasetManifest& manifest = DatasetManifest(),
-                    int jobs = 1);
+                    int jobs = 1, const DatasetLimits& limits = {});
 
 }  // namespace morphograph

@@ -3,7 +3,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <numbers>
 #include <stdexcept>
 #include <vector>
@@ -86,7 +85,7 @@ Eigen::Vector3d WeightedSum(const std::vector<Tap>& taps, int frames, const Valu
 
 }  // namespace
 
-MotionClip Resample(const MotionClip& clip, double frame_rate_hz) {
+MotionClip Resample(const MotionClip& clip, double frame_rate_hz, std::int64_t max_joint_frames) {
   if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz)) {
     throw std::invalid_argument("Resample: frame rate must be positive");
   }
@@ -95,7 +94,12 @@ MotionClip Resample(const MotionClip& clip, double frame_rate_hz) {
   if (frames == 0 || std::abs(step - 1) < 1e-9) return clip;
   // A hair of tolerance keeps the last frame where the rates divide each other.
   const double last = std::floor((frames - 1) / step + 1e-6);
-  if (last >= std::numeric_limits<int>::max()) throw std::invalid_argument("Resample: too many frames");
+  if ((last + 1) * clip.joint_count() > static_cast<double>(max_joint_frames)) {
+    throw std::invalid_argument("Resample: " + std::to_string(clip.duration_s()) + " s of " +
+                                std::to_string(clip.joint_count()) + " joints are too long for " +
+                                std::to_string(frame_rate_hz) + " frames a second; at most " +
+                                std::to_string(max_joint_frames) + " rotations are made");
+  }
 
   MotionClip resampled(clip.shared_skeleton(), frame_rate_hz, static_cast<int>(last) + 1);
   resampled.name = clip.name;

@@ -11,7 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "datasets/bvh_writer.h"
+#include "datasets/atomic_file.h"
 #include "datasets/errors.h"
 #include "graph/array_store.h"
 #include "graph/skeleton_json.h"

@@ -1,10 +1,7 @@
 #include "api/cli/staged_files.h"
 
-#include <unistd.h>
-
 #include <system_error>
 
-#include "datasets/bvh_writer.h"
 #include "datasets/errors.h"
 
 namespace morphograph {
@@ -13,7 +10,7 @@ namespace fs = std::filesystem;
 
 StagedFiles::~StagedFiles() {
   std::error_code ignored;
-  for (const auto& [hidden, place] : files_) fs::remove(hidden, ignored);
+  files_.clear();
   for (auto folder = folders_.rbegin(); folder != folders_.rend(); ++folder) fs::remove(*folder, ignored);
 }
 
@@ -31,13 +28,9 @@ void StagedFiles::AddFolder(const fs::path& path) {
 
 void StagedFiles::Add(const fs::path& path, std::string_view bytes) {
   if (fs::is_directory(path)) throw DatasetError(path.string(), "is a folder, not a file");
-  const fs::path hidden =
-      path.parent_path() / ("." + path.filename().string() + "." + std::to_string(::getpid()) + ".partial");
-  files_.emplace_back(hidden, path);
   try {
-    WriteFileAtomically(hidden, bytes);
+    files_.emplace_back(path, bytes);
   } catch (const DatasetError&) {
-    // Tell of the file that was asked for, not of the hidden one.
     std::error_code error;
     if (!path.parent_path().empty() && !fs::is_directory(path.parent_path(), error))
       throw DatasetError(path.string(), "cannot write: there is no folder " + path.parent_path().string());
@@ -46,10 +39,10 @@ void StagedFiles::Add(const fs::path& path, std::string_view bytes) {
 }
 
 void StagedFiles::Commit() {
-  for (const auto& [hidden, place] : files_) {
-    std::error_code error;
-    fs::rename(hidden, place, error);
-    if (error) throw DatasetError(place.string(), "cannot write: " + error.message());
+  for (const bool renamed : {false, true}) {
+    for (StagedFile& file : files_) {
+      if (file.is_renamed() == renamed) file.Commit();
+    }
   }
   files_.clear();
   folders_.clear();

@@ -2,15 +2,17 @@
 
 #include <filesystem>
 #include <string_view>
-#include <utility>
 #include <vector>
+
+#include "datasets/atomic_file.h"
 
 namespace morphograph {
 
-/// Output files of one command: all of them appear, or none does, and existing ones are replaced only at the end.
+/// Output files of one command. All of them are complete on disk before the first is put in its place; until then a failure changes
+/// nothing.
 ///
-/// Each is written beside its place under a hidden name and renamed by Commit(); without it, everything is removed again,
-/// folders that were made included.
+/// Each waits as a StagedFile for Commit(), which writes to devices and pipes first, since they can still fail, and then renames. Without
+/// Commit(), everything is removed again, folders that were made included.
 class StagedFiles {
  public:
   StagedFiles() = default;
@@ -26,7 +28,7 @@ class StagedFiles {
 
  private:
   std::vector<std::filesystem::path> folders_;  // made here, outermost first
-  std::vector<std::pair<std::filesystem::path, std::filesystem::path>> files_;  // hidden name, place
+  std::vector<StagedFile> files_;
 };
 
 }  // namespace morphograph

@@ -87,6 +87,8 @@ std::string ClipBytes(const MotionClip& clip, const OutputFormat& output, const 
 
 void SynthesizeClips(const SynthesizeFlags& flags) {
   ClipRequest request = RequestFrom(flags);
+  if (!flags.count && !flags.report.empty() && IsSameFile(flags.out, flags.report))
+    throw UsageError("synthesize: --out and --report name the same file");
   const std::shared_ptr<const MotionGraph> graph = flags.model.empty() ? LoadDefaultModel() : LoadModel(flags.model);
   if (!graph) throw UsageError("synthesize: this program was built without a default model; give --model");
 

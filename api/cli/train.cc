@@ -40,6 +40,11 @@ std::string CommandOf(const TrainFlags& flags) {
 void TrainModel(const TrainFlags& flags) {
   if (!flags.name.empty() && !IsModelName(flags.name))
     throw UsageError("--name: must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit");
+  const std::filesystem::path report_folder(flags.report);
+  for (const char* name : {"training.json", "graph.dot"}) {
+    if (!flags.report.empty() && IsSameFile(flags.out, report_folder / name))
+      throw UsageError("train: --out names a file of --report, " + std::string(name));
+  }
   TrainingRequest request;
   request.data.assign(flags.data.begin(), flags.data.end());
   if (!flags.manifest.empty()) request.manifest = flags.manifest;
@@ -59,10 +64,9 @@ void TrainModel(const TrainFlags& flags) {
   StagedFiles files;
   files.Add(flags.out, model);
   if (!flags.report.empty()) {
-    const std::filesystem::path folder(flags.report);
-    files.AddFolder(folder);
-    files.Add(folder / "training.json", TrainingReportJson(outcome) + "\n");
-    files.Add(folder / "graph.dot", GraphDot(summary));
+    files.AddFolder(report_folder);
+    files.Add(report_folder / "training.json", TrainingReportJson(outcome) + "\n");
+    files.Add(report_folder / "graph.dot", GraphDot(summary));
   }
   files.Commit();
   if (flags.quiet) return;

@@ -1,7 +1,10 @@
 // The command line through the real program.
 #include <gmock/gmock.h>
+#include <fcntl.h>
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <algorithm>
 #include <csignal>
@@ -174,6 +177,41 @@ TEST_F(CliTest, AFailureLeavesAnExistingFileWhole) {
   ExpectFailure("synthesize --model " + Model() + " --steps 2 --style moonwalk --out a.bvh", 1, "moonwalk");
   ExpectFailure("synthesize --model " + Model() + " --steps 2 --out a.bvh --report missing/a.json", 1, "missing");
   EXPECT_EQ(ReadFile(Path("a.bvh")), "precious");
+}
+
+TEST_F(CliTest, OutputKeepsWhatIsNoFile) {
+  const std::string make = "synthesize --model " + Model() + " --steps 2 --seed 3 --out ";
+  ASSERT_EQ(Run(make + "a.bvh").status, 0);
+  const std::string clip = ReadFile(Path("a.bvh"));
+  // A pipe passes the clip on and stays a pipe; a link stays, and its file changes; a mode stays.
+  ASSERT_EQ(::mkfifo(Path("pipe").c_str(), 0600), 0);
+  const int reader = ::open(Path("pipe").c_str(), O_RDWR | O_NONBLOCK);
+  ASSERT_GE(reader, 0);
+  ::fcntl(reader, F_SETPIPE_SZ, 1 << 20);
+  ASSERT_EQ(Run(make + "pipe").status, 0);
+  std::string passed(clip.size() + 1, '\0');
+  passed.resize(static_cast<std::size_t>(std::max<ssize_t>(0, ::read(reader, passed.data(), passed.size()))));
+  ::close(reader);
+  EXPECT_EQ(passed, clip);
+  EXPECT_TRUE(fs::is_fifo(Path("pipe")));
+  folder_.Write("real.bvh", "old");
+  fs::permissions(Path("real.bvh"), fs::perms::owner_read | fs::perms::owner_write);
+  fs::create_symlink("real.bvh", Path("link.bvh"));
+  ASSERT_EQ(Run(make + "link.bvh").status, 0);
+  EXPECT_TRUE(fs::is_symlink(Path("link.bvh")));
+  EXPECT_EQ(ReadFile(Path("real.bvh")), clip);
+  EXPECT_EQ(fs::status(Path("real.bvh")).permissions(), fs::perms::owner_read | fs::perms::owner_write);
+  ASSERT_EQ(Run(make + "/dev/null --report /dev/null").status, 0);
+  EXPECT_TRUE(fs::is_character_file("/dev/null"));
+}
+
+TEST_F(CliTest, OneFileCannotTakeTwoOutputs) {
+  folder_.Write("same", "precious");
+  fs::create_symlink("same", Path("link"));
+  ExpectFailure("synthesize --model " + Model() + " --steps 2 --out same --report ./same", 2, "same file");
+  ExpectFailure("synthesize --model " + Model() + " --steps 2 --out same --report link", 2, "same file");
+  ExpectFailure("train --data " + Data() + " --out d/training.json --report d", 2, "training.json");
+  EXPECT_EQ(ReadFile(Path("same")), "precious");
 }
 
 TEST_F(CliTest, TrainsAModelAndReportsIt) {

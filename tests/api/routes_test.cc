@@ -10,6 +10,7 @@
 
 #include "api/openapi.h"
 #include "datasets/bvh_reader.h"
+#include "tests/datasets/bvh_test_files.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/small_model.h"
 #include "tests/support/test_service.h"
@@ -233,6 +234,16 @@ TEST_F(RoutesTest, EvaluationRefusesWhatIsNoUsefulBvh) {
   const std::string tail = "{ OFFSET 0 0 0 CHANNELS 3 Xrotation Yrotation Zrotation End Site { OFFSET 0 1 0 } }\nMOTION\n";
   ExpectProblem(evaluate("HIERARCHY\nROOT pole\n" + tail + "Frames: 3\nFrame Time: 0.1\n0 0 0\n0 0 1\n0 0 2\n"), 422);
   ExpectProblem(evaluate("HIERARCHY\nROOT pole\n" + tail + "Frames: 1000000000\nFrame Time: 0.1\n0 0 0\n"), 400);
+  // A few bytes may not ask for gigabytes: by frames that last for days, or by joints that no channel moves.
+  const RawResponse slow = evaluate("HIERARCHY\nROOT pole\n" + tail + "Frames: 3\nFrame Time: 1000000\n0 0 0\n0 0 1\n0 0 2\n");
+  ExpectProblem(slow, 400);
+  EXPECT_THAT(slow.body, HasSubstr("frame time"));
+  const RawResponse wide = evaluate(testing::ManyJointsWithoutChannels(2000, 2001));
+  ExpectProblem(wide, 400);
+  EXPECT_THAT(wide.body, HasSubstr("joints"));
+  const RawResponse long_clip = evaluate(testing::ManyJointsWithoutChannels(400, 3000, "1"));
+  ExpectProblem(long_clip, 422);
+  EXPECT_THAT(long_clip.body, HasSubstr("at most"));
   const std::string whole = Post(R"({"model":"walk","seed":9,"steps":2})").body;
   for (std::size_t cut = 0; cut < 3000; cut += 311) ExpectProblem(evaluate(whole.substr(0, cut)), 400);
 }

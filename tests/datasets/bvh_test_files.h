@@ -1,6 +1,17 @@
 #pragma once
 
+#include <string>
+
 namespace morphograph::testing {
+
+/// A few characters a frame that claim `joints` rotations each: only the root has a channel.
+inline std::string ManyJointsWithoutChannels(int joints, int frames, const std::string& frame_time = "0.01") {
+  std::string text = "HIERARCHY\nROOT r\n{\nOFFSET 0 0 0\nCHANNELS 1 Xrotation\n";
+  for (int j = 1; j < joints; ++j) text += "JOINT j" + std::to_string(j) + "\n{\nOFFSET 0 1 0\n}\n";
+  text += "}\nMOTION\nFrames: " + std::to_string(frames) + "\nFrame Time: " + frame_time + "\n";
+  for (int f = 0; f < frames; ++f) text += "0\n";
+  return text;
+}
 
 /// A legged figure with a mixed rotation order, a 6-channel child, a one-axis child and a leaf without End Site.
 inline constexpr char kSmallBvh[] =

@@ -2,21 +2,17 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <boost/random/uniform_int_distribution.hpp>
 #include <boost/random/uniform_real_distribution.hpp>
 #include <charconv>
 #include <cmath>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <random>
 
 #include "datasets/bvh_reader.h"
 #include "datasets/errors.h"
 #include "tests/datasets/bvh_test_files.h"
-#include "tests/support/temporary_folder.h"
 
 namespace morphograph {
 namespace {
@@ -116,53 +112,6 @@ TEST(BvhWriter, RefusesWhatBvhCannotHold) {
   document = OneValue(1);
   document.nodes[0].parent = 0;
   EXPECT_THROW(WriteBvh(document), std::invalid_argument);
-}
-
-std::string Content(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-}
-
-size_t FilesIn(const std::filesystem::path& folder) {
-  const std::filesystem::directory_iterator entries(folder);
-  return static_cast<size_t>(std::distance(begin(entries), end(entries)));
-}
-
-TEST(WriteFileAtomically, ReplacesKeepsModeAndFollowsLinks) {
-  const testing::TemporaryFolder folder;
-  const auto file = folder.Write("a.txt", "old");
-  ::chmod(file.c_str(), 0640);
-  std::filesystem::create_symlink("a.txt", folder.path() / "link.txt");
-  WriteFileAtomically(folder.path() / "link.txt", "new");
-  EXPECT_EQ(Content(file), "new");
-  EXPECT_TRUE(std::filesystem::is_symlink(folder.path() / "link.txt"));
-  struct stat status;
-  ASSERT_EQ(::stat(file.c_str(), &status), 0);
-  EXPECT_EQ(status.st_mode & 0777, 0640u);
-  WriteFileAtomically(folder.path() / "b.txt", "");
-  EXPECT_EQ(Content(folder.path() / "b.txt"), "");
-  EXPECT_EQ(FilesIn(folder.path()), 3u);
-  WriteFileAtomically("/dev/null", "gone");
-  EXPECT_TRUE(std::filesystem::is_character_file("/dev/null"));
-}
-
-TEST(WriteFileAtomically, AFailureLeavesNothingBehindAndNamesTheCause) {
-  const testing::TemporaryFolder folder;
-  folder.Write("sub/file", "kept");
-  for (const auto& [path, cause] : {std::pair{folder.path() / "sub", "Is a directory"},
-                                    std::pair{folder.path() / "none" / "x", "No such file or directory"},
-                                    std::pair{folder.path() / "sub" / "file" / "x", "Not a directory"}}) {
-    try {
-      WriteFileAtomically(path, "text");
-      ADD_FAILURE() << path;
-    } catch (const DatasetError& error) {
-      EXPECT_THAT(error.what(), HasSubstr(path.string()));
-      EXPECT_THAT(error.what(), HasSubstr(cause));
-    }
-  }
-  EXPECT_EQ(FilesIn(folder.path()), 1u);
-  EXPECT_EQ(FilesIn(folder.path() / "sub"), 1u);
-  EXPECT_EQ(Content(folder.path() / "sub" / "file"), "kept");
 }
 
 }  // namespace

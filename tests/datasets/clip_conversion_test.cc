@@ -4,6 +4,7 @@
 
 #include "datasets/bvh_reader.h"
 #include "datasets/bvh_writer.h"
+#include "datasets/errors.h"
 #include "datasets/forward_kinematics.h"
 #include "tests/datasets/bvh_test_files.h"
 
@@ -31,6 +32,18 @@ TEST(ClipConversion, BothOutputFormsReproduceThePoses) {
     EXPECT_EQ(document.channel_count(), source_channels ? 22 : 21);
     const MotionClip again = ImportClip(ParseBvh(WriteBvh(document), "again"));
     EXPECT_LT(WorstDistance(clip, again), 1e-7) << source_channels;
+  }
+}
+
+TEST(ClipConversion, RefusesFrameTimesThatNobodyRecords) {
+  BvhDocument document = ParseBvh(testing::kSmallBvh, "small.bvh");
+  for (const double frame_time_s : {1e6, 1e4, 1.5, 0.0005, 1e-6}) {
+    document.frame_time_s = frame_time_s;
+    EXPECT_THROW(ImportClip(document), DatasetError) << frame_time_s;
+  }
+  for (const double frame_time_s : {1.0, 0.001}) {
+    document.frame_time_s = frame_time_s;
+    EXPECT_EQ(ImportClip(document).frame_count(), 3) << frame_time_s;
   }
 }
 

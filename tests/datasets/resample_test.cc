@@ -111,6 +111,13 @@ TEST(Resample, RejectsARateThatIsNotPositive) {
   EXPECT_THROW(Resample(Swing(30, 5, 1), std::nan("")), std::invalid_argument);
 }
 
+TEST(Resample, RefusesResultsThatAreTooLarge) {
+  const MotionClip clip = Swing(30, 31, 1);
+  EXPECT_EQ(Resample(clip, 300, 301 * clip.joint_count()).frame_count(), 301);
+  EXPECT_THROW(Resample(clip, 300, 301 * clip.joint_count() - 1), std::invalid_argument);
+  EXPECT_THROW(Resample(clip, 1e9), std::invalid_argument);
+}
+
 TEST(Resample, MovesJointsOfARealWalkByMillimetres) {
   MORPHOGRAPH_REQUIRE_SHARED_DATA();
   const MotionClip clip = ImportClip(ReadBvhFile(testing::SharedData() / "cmu" / "07" / "07_05.bvh"));

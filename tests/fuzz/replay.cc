@@ -2,6 +2,7 @@
 // generator. The input that ended the process is left in the file `crash-<run>`, and `NAME crash-<run>` repeats it.
 
 #include <fcntl.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -25,6 +26,8 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 namespace {
 
 constexpr std::size_t kMaxInputBytes = 1 << 16;
+// No input of a few kilobytes may need more memory than this, sanitizers' own included.
+constexpr long kMostMemory_kB = 1'000'000;
 
 // What parsers trip over: numbers at the edges of their types, openers without closers, odd bytes.
 constexpr std::array<std::string_view, 24> kTokens = {
@@ -56,6 +59,11 @@ void Run(std::string input) {
   current_input = std::move(input);
   ++current_run;
   LLVMFuzzerTestOneInput(reinterpret_cast<const std::uint8_t*>(current_input.data()), current_input.size());
+  struct rusage usage;
+  if (getrusage(RUSAGE_SELF, &usage) == 0 && usage.ru_maxrss > kMostMemory_kB) {
+    std::fprintf(stderr, "violated: %ld kB of memory\n", usage.ru_maxrss);
+    std::abort();
+  }
 }
 
 std::vector<std::string> ReadSeeds(const std::vector<std::filesystem::path>& paths) {
