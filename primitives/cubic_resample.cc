@@ -39,6 +39,32 @@ Eigen::MatrixXd SlopeMatrix(int n) {
   return a.partialPivLu().solve(b).transpose();
 }
 
+// values * SlopeMatrix(n), n >= 4. Taking the outer slopes out of the first and the last inner equation leaves a tridiagonal
+// system for the inner ones: diagonal 4, off-diagonals 1, but 2 in the first and the last row. (channels x n)
+Eigen::MatrixXd Slopes(const Eigen::MatrixXd& y) {
+  const Eigen::Index n = y.cols(), last = n - 1;
+  Eigen::MatrixXd slopes(y.rows(), n);
+  // Right-hand sides: in the outer columns those of the end conditions, inside those of the inner equations.
+  slopes.col(0) = -2 * y.col(0) + 4 * y.col(1) - 2 * y.col(2);
+  slopes.col(last) = 2 * y.col(last) - 4 * y.col(last - 1) + 2 * y.col(last - 2);
+  for (Eigen::Index i = 1; i < last; ++i) slopes.col(i) = 3 * (y.col(i + 1) - y.col(i - 1));
+  slopes.col(1) -= slopes.col(0);
+  slopes.col(last - 1) -= slopes.col(last);
+  Eigen::VectorXd above(n);  // Thomas' algorithm: what is left above the diagonal
+  above[1] = 2.0 / 4.0;
+  slopes.col(1) /= 4.0;
+  for (Eigen::Index i = 2; i < last; ++i) {
+    const double below = i == last - 1 ? 2.0 : 1.0;
+    const double pivot = 1.0 / (4.0 - below * above[i - 1]);
+    above[i] = pivot;
+    slopes.col(i) = pivot * (slopes.col(i) - below * slopes.col(i - 1));
+  }
+  for (Eigen::Index i = last - 2; i >= 1; --i) slopes.col(i) -= above[i] * slopes.col(i + 1);
+  slopes.col(0) += slopes.col(2);
+  slopes.col(last) += slopes.col(last - 2);
+  return slopes;
+}
+
 }  // namespace
 
 UniformCubicSpline::UniformCubicSpline(int samples) {
@@ -64,6 +90,26 @@ Eigen::MatrixXd UniformCubicSpline::Weights(const Eigen::VectorXd& positions) co
     weights(cell + 1, k) += -2 * t3 + 3 * t2;
   }
   return weights;
+}
+
+Eigen::MatrixXd UniformCubicSpline::Interpolate(const Eigen::MatrixXd& values, const Eigen::VectorXd& positions) const {
+  const int n = samples();
+  if (values.cols() != n) {
+    throw std::invalid_argument("UniformCubicSpline: " + std::to_string(values.cols()) + " samples given, made for " +
+                                std::to_string(n));
+  }
+  if (n < 4) return values * Weights(positions);
+  const Eigen::MatrixXd slopes = Slopes(values);
+  Eigen::MatrixXd out(values.rows(), positions.size());
+  for (Eigen::Index k = 0; k < positions.size(); ++k) {
+    const double position = std::clamp(positions[k], 0.0, n - 1.0);
+    const int cell = std::min(static_cast<int>(position), n - 2);
+    const double t = position - cell;
+    const double t2 = t * t, t3 = t2 * t;
+    out.col(k) = (2 * t3 - 3 * t2 + 1) * values.col(cell) + (-2 * t3 + 3 * t2) * values.col(cell + 1) +
+                 (t3 - 2 * t2 + t) * slopes.col(cell) + (t3 - t2) * slopes.col(cell + 1);
+  }
+  return out;
 }
 
 Eigen::MatrixXd UniformCubicSpline::DerivativeWeights(const Eigen::VectorXd& positions) const {

@@ -20,6 +20,11 @@ class UniformCubicSpline {
   /// Positions before the first or after the last sample take its value.
   Eigen::MatrixXd Weights(const Eigen::VectorXd& positions) const;
 
+  /// `values * Weights(positions)`, to rounding, in fewer operations where there are more channels than a few: slopes come from the
+  /// tridiagonal system instead of its inverse.
+  /// @throws std::invalid_argument when `values` has not one column a sample.
+  Eigen::MatrixXd Interpolate(const Eigen::MatrixXd& values, const Eigen::VectorXd& positions) const;
+
   /// Weights of the derivative by position, (samples x positions); 0 outside the samples.
   Eigen::MatrixXd DerivativeWeights(const Eigen::VectorXd& positions) const;
 

@@ -40,6 +40,17 @@ TEST(UniformCubicSpline, ReproducesPolynomialsUpToItsOrder) {
   }
 }
 
+TEST(UniformCubicSpline, InterpolatesAsItsWeightsDo) {
+  std::mt19937_64 rng(4);
+  for (int samples : {1, 2, 3, 4, 5, 6, 25}) {
+    const Eigen::MatrixXd values = RandomNormal(7, samples, rng);
+    const UniformCubicSpline spline(samples);
+    const Eigen::VectorXd positions = Positions(-1, samples, 61);
+    EXPECT_LT((spline.Interpolate(values, positions) - values * spline.Weights(positions)).cwiseAbs().maxCoeff(), 1e-12) << samples;
+  }
+  EXPECT_THROW(UniformCubicSpline(5).Interpolate(RandomNormal(7, 4, rng), Positions(0, 1, 2)), std::invalid_argument);
+}
+
 TEST(UniformCubicSpline, PassesThroughTheSamplesAndIsTwiceContinuous) {
   std::mt19937_64 rng(1);
   const Eigen::MatrixXd values = RandomNormal(3, 12, rng);
