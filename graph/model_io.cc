@@ -13,12 +13,16 @@
 
 #include "datasets/atomic_file.h"
 #include "datasets/errors.h"
-#include "graph/array_store.h"
-#include "graph/skeleton_json.h"
+#include "graph/internal/array_store.h"
+#include "graph/internal/skeleton_json.h"
 
 namespace morphograph {
 namespace {
 
+using internal::ArrayReader;
+using internal::ArrayWriter;
+using internal::SkeletonFromJson;
+using internal::SkeletonToJson;
 using nlohmann::json;
 
 constexpr std::string_view kMagic = "MORPHGRF";

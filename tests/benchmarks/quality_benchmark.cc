@@ -29,17 +29,15 @@
 #include "datasets/clip_conversion.h"
 #include "datasets/dataset_loader.h"
 #include "datasets/resample.h"
+#include "graph/graph_summary.h"
+#include "graph/model_io.h"
 #include "synthesis/body_check.h"
 #include "synthesis/evaluation.h"
+#include "synthesis/motion_synthesizer.h"
 #include "synthesis/pose_windows.h"
 #include "synthesis/set_quality.h"
 #include "synthesis/smoothness.h"
 #include "synthesis/style_classifier.h"
-#ifdef MORPHOGRAPH_HAS_SYNTHESIZER
-#include "graph/graph_summary.h"
-#include "graph/model_io.h"
-#include "synthesis/motion_synthesizer.h"
-#endif
 
 namespace {
 
@@ -198,7 +196,6 @@ void SelfCheck(const std::vector<MotionClip>& captured, const Set& all,
   }
 }
 
-#ifdef MORPHOGRAPH_HAS_SYNTHESIZER
 std::vector<MotionClip> Draw(const morphograph::MotionGraph& graph, const std::optional<std::string>& style,
                              int count, const Options& options) {
   std::vector<MotionClip> clips;
@@ -326,7 +323,6 @@ bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, cons
   TimeSampling(*graph, options);
   return SanityCheck(*graph, styles, all_whole.quality, options);
 }
-#endif
 
 std::vector<MotionClip> Load(const std::vector<std::filesystem::path>& paths, int jobs) {
   std::vector<MotionClip> clips;
@@ -389,11 +385,7 @@ bool Run(const Options& options) {
     PrintBody("set", set);
   }
   if (!options.model.empty()) {
-#ifdef MORPHOGRAPH_HAS_SYNTHESIZER
     return JudgeModel(all, by_style, all_whole, by_style_whole, options);
-#else
-    throw std::runtime_error("this build has no synthesiser, so --model cannot be used");
-#endif
   }
   if (options.set.empty() && options.model.empty()) SelfCheck(trimmed, all, by_style, options);
   return true;

@@ -1,9 +1,9 @@
-#include "graph/skeleton_json.h"
+#include "graph/internal/skeleton_json.h"
 
 #include <stdexcept>
 #include <string>
 
-namespace morphograph {
+namespace morphograph::internal {
 namespace {
 
 using nlohmann::json;
@@ -71,4 +71,4 @@ std::shared_ptr<const Skeleton> SkeletonFromJson(const json& value) {
   return std::make_shared<Skeleton>(std::move(joints), roles, value.at("metres_per_unit").get<double>(), up);
 }
 
-}  // namespace morphograph
+}  // namespace morphograph::internal

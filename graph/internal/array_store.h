@@ -5,7 +5,7 @@
 #include <string>
 #include <string_view>
 
-namespace morphograph {
+namespace morphograph::internal {
 
 /// Collects matrices for a model file: little-endian, column-major, one after the other; JSON descriptors say where.
 ///
@@ -37,4 +37,4 @@ class ArrayReader {
   std::string_view bytes_;
 };
 
-}  // namespace morphograph
+}  // namespace morphograph::internal

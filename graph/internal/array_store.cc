@@ -1,4 +1,4 @@
-#include "graph/array_store.h"
+#include "graph/internal/array_store.h"
 
 #include <bit>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <cstring>
 #include <stdexcept>
 
-namespace morphograph {
+namespace morphograph::internal {
 namespace {
 
 static_assert(std::endian::native == std::endian::little, "model files are little-endian, as is every machine built for so far");
@@ -112,4 +112,4 @@ Eigen::MatrixXf ArrayReader::Floats(const nlohmann::json& descriptor) const {
   return matrix;
 }
 
-}  // namespace morphograph
+}  // namespace morphograph::internal
