@@ -1,9 +1,10 @@
 #include "datasets/dataset_loader.h"
 
+#include <re2/re2.h>
+
 #include <algorithm>
 #include <atomic>
 #include <optional>
-#include <regex>
 #include <set>
 
 #include "datasets/bvh_reader.h"
@@ -69,9 +70,9 @@ std::vector<FoundFile> FindFiles(const std::vector<fs::path>& paths) {
   return files;
 }
 
-std::string StyleByPattern(const std::regex& pattern, const std::string& stem) {
-  std::smatch match;
-  return std::regex_search(stem, match, pattern) ? match[1].str() : std::string();
+std::string StyleByPattern(const RE2& pattern, const std::string& stem) {
+  std::string style;
+  return RE2::PartialMatch(stem, pattern, &style) ? style : std::string();
 }
 
 // The word of `<anything>_<word>_<number>`, else nothing.
@@ -91,7 +92,7 @@ std::optional<std::string> WordBeforeNumber(const std::string& stem) {
 std::vector<std::string> FindStyles(const std::vector<FoundFile>& files, const DatasetManifest& manifest) {
   std::vector<std::string> styles(files.size());
   if (!manifest.style_pattern.empty()) {
-    const std::regex pattern(manifest.style_pattern);
+    const RE2 pattern(manifest.style_pattern, RE2::Quiet);
     for (size_t i = 0; i < files.size(); ++i) styles[i] = StyleByPattern(pattern, files[i].file.stem().string());
     return styles;
   }

@@ -38,7 +38,7 @@ struct DatasetManifest {
   std::string action = "walk";
   std::string source, licence, attribution;
   ClipImportOptions import;             // metres_per_unit, up_axis, roles
-  std::string style_pattern;            // ECMAScript regular expression, searched in the file stem; group 1 is the style
+  std::string style_pattern;            // regular expression (RE2), searched in the file stem; group 1 is the style
   std::vector<std::string> include;     // shell patterns; empty takes all
   std::vector<std::string> exclude;
   std::map<std::string, ClipSelection> clips;  // by file stem

@@ -74,6 +74,15 @@ TEST(DatasetLoader, ObeysTheManifest) {
   EXPECT_THAT(dataset.notes[0], HasSubstr("gone"));
 }
 
+TEST(DatasetLoader, ANestedStylePatternTakesNoExponentialTime) {
+  const testing::TemporaryFolder folder;
+  const std::string stem(200, 'a');
+  folder.Write(stem + "b.bvh", kSmallBvh);
+  folder.Write(stem + "_x_1.bvh", kSmallBvh);
+  const DatasetManifest manifest = ParseManifest(R"({"style": "^(?:(?:a+)+)+_([a-z])_"})", "m");
+  EXPECT_THAT(Names(LoadDataset({folder.path()}, manifest)), ElementsAre(stem + "_x_1/x", stem + "b/"));
+}
+
 TEST(DatasetLoader, ErrorsNameTheFile) {
   const testing::TemporaryFolder folder;
   EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}); }), HasSubstr("no *.bvh file found"));

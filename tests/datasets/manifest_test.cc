@@ -87,6 +87,25 @@ TEST(Manifest, ErrorsNameTheFileAndTheMember) {
   for (const auto& [json, expected] : cases) EXPECT_THAT(ErrorOf(json), HasSubstr(expected)) << json.substr(0, 60);
 }
 
+// Patterns come from strangers too (POST /v1/models): none may take the stack or exponential time.
+TEST(Manifest, DeepAndNestedPatternsAreBounded) {
+  EXPECT_THAT(ErrorOf(R"({"style": ")" + std::string(100000, '(') + R"("})"), HasSubstr("/style: not a regular expression"));
+  std::string deep(100000, '(');
+  deep.append("a").append(100000, ')');
+  EXPECT_LT(ErrorOf(R"({"style": ")" + deep + R"("})").size(), 500u);  // taken or refused, as RE2 likes
+  EXPECT_THAT(ErrorOf(R"j({"style": "((((a{100}){100}){100}){100})"})j"), HasSubstr("/style: not a regular expression"));
+  EXPECT_EQ(ErrorOf(R"({"style": "^(a+)+$"})"), "");
+}
+
+TEST(Manifest, ManyStarsAgainstALongNameEndSoon) {
+  DatasetManifest manifest;
+  std::string stars = "*";
+  for (int i = 0; i < 60; ++i) stars += "a*";
+  manifest.include = {stars + "b"};
+  EXPECT_FALSE(Includes(manifest, std::string(4000, 'a')));
+  EXPECT_TRUE(Includes(manifest, std::string(4000, 'a') + "b"));
+}
+
 TEST(Manifest, AMissingFileIsNamed) {
   try {
     ReadManifest("/nowhere/set.json");
