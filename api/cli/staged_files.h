@@ -1,9 +1,11 @@
 #pragma once
 
 #include <filesystem>
+#include <mutex>
 #include <string_view>
 #include <vector>
 
+#include "api/cli/interrupt_guard.h"
 #include "datasets/atomic_file.h"
 
 namespace morphograph {
@@ -12,10 +14,10 @@ namespace morphograph {
 /// nothing.
 ///
 /// Each waits as a StagedFile for Commit(), which writes to devices and pipes first, since they can still fail, and then renames. Without
-/// Commit(), everything is removed again, folders that were made included.
+/// Commit(), everything is removed again, folders that were made included; SIGINT, SIGTERM and SIGHUP end the process no sooner than that.
 class StagedFiles {
  public:
-  StagedFiles() = default;
+  StagedFiles();
   ~StagedFiles();
   StagedFiles(const StagedFiles&) = delete;
   StagedFiles& operator=(const StagedFiles&) = delete;
@@ -27,8 +29,13 @@ class StagedFiles {
   void Commit();
 
  private:
+  void MakeFolder(const std::filesystem::path& path);
+  void RemoveAll();
+
+  std::mutex mutex_;  // held while files come and go, so that an interruption falls between two steps
   std::vector<std::filesystem::path> folders_;  // made here, outermost first
   std::vector<StagedFile> files_;
+  InterruptGuard guard_;  // last: its thread uses what stands above
 };
 
 }  // namespace morphograph

@@ -7,14 +7,17 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <chrono>
 #include <csignal>
 #include <cstdio>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <sstream>
+#include <thread>
 
 #include "datasets/bvh_reader.h"
 #include "graph/model_io.h"
+#include "tests/support/child_process.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/small_model.h"
 #include "tests/support/temporary_folder.h"
@@ -26,6 +29,7 @@ namespace fs = std::filesystem;
 using nlohmann::json;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
+using ::testing::IsEmpty;
 
 std::string ReadFile(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
@@ -265,33 +269,28 @@ TEST_F(CliTest, KeyframesAlternate) {
 
 TEST_F(CliTest, ServesTheSameBytesThatSynthesizeWritesUntilToldToStop) {
   ASSERT_EQ(Run("synthesize --model " + Model() + " --duration 3 --seed 42 --out a.bvh").status, 0);
-  const std::string command = "exec '" MORPHOGRAPH_PROGRAM "' serve --port 0 --threads 2 --model " + Model();
-  // A child of our own, so that it can be told to stop by its id.
-  int pipe_ends[2];
-  ASSERT_EQ(::pipe(pipe_ends), 0);
-  const pid_t child = ::fork();
-  ASSERT_GE(child, 0);
-  if (child == 0) {
-    ::dup2(pipe_ends[1], STDOUT_FILENO);
-    ::close(pipe_ends[0]);
-    ::execl("/bin/sh", "sh", "-c", command.c_str(), nullptr);
-    ::_exit(127);
-  }
-  ::close(pipe_ends[1]);
-  std::FILE* told = ::fdopen(pipe_ends[0], "r");
-  char line[256] = {};
-  ASSERT_TRUE(std::fgets(line, sizeof line, told));
-  const std::string first(line);
-  ASSERT_THAT(first, HasSubstr("http://127.0.0.1:"));
-  const int port = std::stoi(first.substr(first.rfind(':') + 1));
+  testing::ChildProcess server("'" MORPHOGRAPH_PROGRAM "' serve --port 0 --threads 2 --model " + Model());
+  const int port = testing::ServedPort(&server);
   EXPECT_EQ(testing::Ask(port, "GET", "/readyz").status, 200);
   const auto clip = testing::Ask(port, "POST", "/v1/clips", "", R"({"model":"walk","seed":42,"duration":3})");
   EXPECT_EQ(clip.body, ReadFile(Path("a.bvh")));
-  ::kill(child, SIGTERM);
-  int status = -1;
-  ASSERT_EQ(::waitpid(child, &status, 0), child);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0);
-  std::fclose(told);
+  server.Signal(SIGTERM);
+  const int status = server.Wait();
+  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 0) << status;
+}
+
+TEST_F(CliTest, AnInterruptedCommandLeavesNothingBehind) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    testing::ChildProcess command("'" MORPHOGRAPH_PROGRAM "' synthesize --model " + Model() +
+                                  " --duration 2 --count 1000000 --out '" + Path("made/clips").string() + "' --report '" +
+                                  Path("made/reports").string() + "' 2> /dev/null");
+    for (int i = 0; i < 1000 && Listing().size() < 10; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ASSERT_GE(Listing().size(), 10u) << "nothing was written";
+    command.Signal(signal);
+    const int status = command.Wait();
+    EXPECT_TRUE(WIFSIGNALED(status) && WTERMSIG(status) == signal) << status;
+    EXPECT_THAT(Listing(), IsEmpty());
+  }
 }
 
 }  // namespace
