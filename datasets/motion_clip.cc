@@ -1,5 +1,6 @@
 #include "datasets/motion_clip.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
@@ -13,14 +14,16 @@ MotionClip::MotionClip(std::shared_ptr<const Skeleton> skeleton, double frame_ra
       frames_(frames),
       joints_(skeleton_ ? skeleton_->joint_count() : 0) {
   if (!skeleton_) throw std::invalid_argument("MotionClip: no skeleton");
-  if (!(frame_rate_hz > 0)) throw std::invalid_argument("MotionClip: frame rate must be positive");
+  if (!(frame_rate_hz > 0 && std::isfinite(frame_rate_hz))) {
+    throw std::invalid_argument("MotionClip: frame rate must be positive");
+  }
   if (frames < 0) throw std::invalid_argument("MotionClip: negative frame count");
   rotations_.assign(static_cast<size_t>(frames) * joints_, Eigen::Quaterniond::Identity());
   root_positions_ = Eigen::Matrix3Xd::Zero(3, frames);
 }
 
 MotionClip MotionClip::Slice(int first, int count) const {
-  if (first < 0 || count < 0 || first + count > frames_) {
+  if (first < 0 || count < 0 || first > frames_ || count > frames_ - first) {
     throw std::invalid_argument("MotionClip::Slice: frames " + std::to_string(first) + " + " + std::to_string(count) +
                                 " of " + std::to_string(frames_));
   }

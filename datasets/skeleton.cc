@@ -1,5 +1,6 @@
 #include "datasets/skeleton.h"
 
+#include <cmath>
 #include <stdexcept>
 #include <unordered_set>
 
@@ -30,7 +31,15 @@ void CheckJoints(const std::vector<Joint>& joints) {
 Skeleton::Skeleton(std::vector<Joint> joints, RoleMap roles, double metres_per_unit, UpAxis up_axis)
     : joints_(std::move(joints)), roles_(roles), metres_per_unit_(metres_per_unit), up_axis_(up_axis) {
   CheckJoints(joints_);
-  if (!(metres_per_unit > 0)) throw std::invalid_argument("Skeleton: metres per unit must be positive");
+  if (!(metres_per_unit > 0 && std::isfinite(metres_per_unit))) {
+    throw std::invalid_argument("Skeleton: metres per unit must be positive");
+  }
+  for (int r = 0; r < kJointRoleCount; ++r) {
+    const JointRole role = static_cast<JointRole>(r);
+    if (roles_[role] < joint_count()) continue;
+    throw std::invalid_argument("Skeleton: role '" + std::string(RoleName(role)) + "' is given to joint " +
+                                std::to_string(roles_[role]) + " of " + std::to_string(joint_count()));
+  }
   if (roles_.Has(JointRole::kHips)) moving_root_ = roles_[JointRole::kHips];
   is_body_.assign(joints_.size(), 0);
   for (int i = 0; i < joint_count(); ++i) {
