@@ -10,6 +10,7 @@
 #include "datasets/errors.h"
 #include "datasets/euler.h"
 #include "datasets/forward_kinematics.h"
+#include "datasets/quantile.h"
 #include "datasets/rest_frames.h"
 
 namespace morphograph {
@@ -82,12 +83,6 @@ Eigen::Vector3d LocalPosition(const BvhDocument& document, int joint, int frame)
   return position;
 }
 
-double Median(std::vector<double>* values) {
-  const auto middle = values->begin() + static_cast<std::ptrdiff_t>(values->size() / 2);
-  std::nth_element(values->begin(), middle, values->end());
-  return *middle;
-}
-
 // Offset of a bone, and how far its position channels stray from it.
 Eigen::Vector3d BoneOffset(const BvhDocument& document, int joint, int first_frame, double* stray) {
   const BvhDocument::Node& node = document.nodes[joint];
@@ -103,7 +98,7 @@ Eigen::Vector3d BoneOffset(const BvhDocument& document, int joint, int first_fra
     const auto [low, high] = std::minmax_element(values.begin(), values.end());
     const double spread = *high - *low;
     *stray = std::max(*stray, spread);
-    offset[Axis(node.channels[c])] = Median(&values);
+    offset[Axis(node.channels[c])] = Median(values);
   }
   return offset;
 }

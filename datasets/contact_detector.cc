@@ -10,6 +10,7 @@
 
 #include "datasets/forward_kinematics.h"
 #include "datasets/low_pass.h"
+#include "datasets/quantile.h"
 
 namespace morphograph {
 namespace {
@@ -31,13 +32,6 @@ struct Stance {
   int first, last;
   Eigen::Vector3d ball;  // medians
 };
-
-double Median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  if (values.size() % 2 == 1) return *middle;
-  return 0.5 * (*middle + *std::max_element(values.begin(), middle));
-}
 
 Eigen::Vector3d MedianPoint(const Eigen::Matrix3Xd& points) {
   Eigen::Vector3d median;

@@ -5,6 +5,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/quantile.h"
+
 namespace morphograph {
 namespace {
 
@@ -15,12 +17,6 @@ using Eigen::Vector3d;
 double Rise(const MotionClip& clip, const Eigen::Vector2d& slope) {
   const Eigen::VectorXd along = slope.x() * clip.root_positions().row(0) + slope.y() * clip.root_positions().row(2);
   return along.maxCoeff() - along.minCoeff();
-}
-
-double Median(const Eigen::VectorXd& values) {
-  std::vector<double> sorted(values.begin(), values.end());
-  std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-  return sorted[sorted.size() / 2];
 }
 
 }  // namespace
@@ -47,7 +43,7 @@ MotionClip LevelFloor(const MotionClip& clip, const ContactTrack& contacts, cons
     }
   } else {
     done.uneven = true;
-    height_m = Median(contacts.ground_m);
+    height_m = Median({contacts.ground_m.begin(), contacts.ground_m.end()});
   }
   if (std::abs(height_m - options.ball_height_m) > options.tolerance_m) {
     done.shift_m = options.ball_height_m - height_m;

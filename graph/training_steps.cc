@@ -5,6 +5,7 @@
 
 #include "datasets/forward_kinematics.h"
 #include "datasets/parallel_for.h"
+#include "datasets/quantile.h"
 #include "primitives/decomposition.h"
 #include "primitives/keyframe_detector.h"
 
@@ -18,15 +19,6 @@ constexpr double kStill_rad = 1e-3;
 constexpr double kBallGive_m = 0.009;
 // Of the clips' lowest points: lower than in all but one of twenty clips is a fault of the recording too.
 constexpr double kLowestPart = 0.05;
-
-double Quantile(std::vector<double> values, double part) {
-  if (values.empty()) return 0;
-  const auto place = values.begin() + static_cast<std::ptrdiff_t>(part * static_cast<double>(values.size()));
-  std::nth_element(values.begin(), place, values.end());
-  return *place;
-}
-
-double Median(std::vector<double> values) { return Quantile(std::move(values), 0.5); }
 
 }  // namespace
 
@@ -104,8 +96,9 @@ FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips) {
       }
     }
     if (heel_count > 0) feet.heel_offset_m[side] = heel_sum / heel_count;
-    feet.heel_height_m[side] = Median(heel_heights);
-    feet.ball_height_m[side] = Median(ball_heights);
+    // A foot that is never flat on the floor, as in runs on tiptoe, stands on its lowest point.
+    feet.heel_height_m[side] = Median(heel_heights.empty() ? heel_lowest : heel_heights);
+    feet.ball_height_m[side] = Median(ball_heights.empty() ? ball_lowest : ball_heights);
     feet.heel_lowest_m[side] = Quantile(heel_lowest, kLowestPart);
     feet.ball_lowest_m[side] = std::max(Quantile(ball_lowest, kLowestPart), feet.ball_height_m[side] - kBallGive_m);
   }

@@ -7,6 +7,7 @@
 
 #include "datasets/joint_roles.h"
 #include "datasets/low_pass.h"
+#include "datasets/quantile.h"
 
 namespace morphograph {
 namespace {
@@ -38,12 +39,6 @@ std::optional<double> Nearest(const std::vector<double>& points, double frame, d
     if (std::abs(point - frame) <= reach_frames && (!nearest || std::abs(point - frame) < std::abs(*nearest - frame))) nearest = point;
   }
   return nearest;
-}
-
-double Median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  const size_t n = values.size();
-  return n % 2 ? values[n / 2] : 0.5 * (values[n / 2 - 1] + values[n / 2]);
 }
 
 }  // namespace

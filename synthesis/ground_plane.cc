@@ -6,6 +6,8 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/quantile.h"
+
 namespace morphograph {
 namespace {
 
@@ -14,12 +16,6 @@ constexpr double kStanceSigma_m = 0.005;
 constexpr double kSlopeSigma = 0.01;
 constexpr double kStillSpeed_m_s = 0.3;
 constexpr int kReweightings = 4;
-
-double Quantile(std::vector<double>* values, double q) {
-  const size_t at = static_cast<size_t>(q * static_cast<double>(values->size() - 1));
-  std::nth_element(values->begin(), values->begin() + static_cast<std::ptrdiff_t>(at), values->end());
-  return (*values)[at];
-}
 
 // The smaller of backward and forward difference, as in contact detection: a frame next to a still one is
 // still.
@@ -41,7 +37,7 @@ std::vector<Eigen::Vector3d> StancePoints(const ContactTrack& contacts, double f
       if (!IsStill(ball, f, frame_rate_hz)) continue;
       x.push_back(ball(0, f)), y.push_back(ball(1, f)), z.push_back(ball(2, f));
     }
-    if (!y.empty()) points.emplace_back(Quantile(&x, 0.5), Quantile(&y, 0.5), Quantile(&z, 0.5));
+    if (!y.empty()) points.emplace_back(Median(x), Median(y), Median(z));
   }
   return points;
 }
@@ -61,7 +57,7 @@ GroundPlane FitGroundPlane(const ContactTrack& contacts, double frame_rate_hz) {
     for (Eigen::Index f = 0; f < frames; ++f) {
       lower[static_cast<size_t>(f)] = std::min(contacts.balls[0](1, f), contacts.balls[1](1, f));
     }
-    plane.height_m = Quantile(&lower, 0.05);
+    plane.height_m = Quantile(lower, 0.05);
     return plane;
   }
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "datasets/quantile.h"
 #include "datasets/resample.h"
 #include "synthesis/body_check.h"
 #include "synthesis/contact_quality.h"
@@ -69,7 +70,7 @@ SetQuality MeasureSet(const std::vector<MotionClip>& clips, const SetQualityOpti
   set.foot_skate_cm_s /= set.pieces;
   set.naturalness /= set.pieces;
   if (planted > 0) set.contact_distance_m = distance_sum / planted;
-  if (!accelerations.empty()) set.acceleration_p999_m_s2 = Percentile(std::move(accelerations), 0.999);
+  if (!accelerations.empty()) set.acceleration_p999_m_s2 = Quantile(std::move(accelerations), 0.999);
   if (jerks > 0) set.mean_jerk_m_s3 = jerk_sum / static_cast<double>(jerks);
   return set;
 }

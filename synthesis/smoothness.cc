@@ -48,17 +48,4 @@ std::vector<double> JointJerks(const Skeleton& skeleton, const std::vector<Eigen
   return norms;
 }
 
-double Percentile(std::vector<double> values, double q) {
-  if (values.empty()) throw std::invalid_argument("Percentile: no value given");
-  if (!(q >= 0 && q <= 1)) throw std::invalid_argument("Percentile: fraction outside [0, 1]");
-  const double place = q * static_cast<double>(values.size() - 1);
-  const size_t below = static_cast<size_t>(place);
-  std::nth_element(values.begin(), values.begin() + static_cast<std::ptrdiff_t>(below), values.end());
-  const double low = values[below];
-  if (below + 1 == values.size()) return low;
-  const double high =
-      *std::min_element(values.begin() + static_cast<std::ptrdiff_t>(below) + 1, values.end());
-  return low + (place - static_cast<double>(below)) * (high - low);
-}
-
 }  // namespace morphograph

@@ -18,8 +18,4 @@ std::vector<double> JointAccelerations(const Skeleton& skeleton,
 std::vector<double> JointJerks(const Skeleton& skeleton, const std::vector<Eigen::Matrix3Xd>& joint_positions,
                                double frame_rate_hz);
 
-/// Value below which a fraction `q` in [0, 1] of the values lies, linear between neighbours.
-/// @throws std::invalid_argument for no value or q outside [0, 1].
-double Percentile(std::vector<double> values, double q);
-
 }  // namespace morphograph

@@ -28,6 +28,7 @@
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
 #include "datasets/dataset_loader.h"
+#include "datasets/quantile.h"
 #include "datasets/resample.h"
 #include "graph/graph_summary.h"
 #include "graph/model_io.h"
@@ -291,7 +292,7 @@ void TimeSampling(const morphograph::MotionGraph& graph, const Options& options)
   }
   std::printf(
       "a clip of %.0f s, processor time, median of 100: motion and report %.2f ms, with BVH text %.2f ms\n",
-      options.duration_s, morphograph::Percentile(motion, 0.5), morphograph::Percentile(text, 0.5));
+      options.duration_s, morphograph::Median(motion), morphograph::Median(text));
 }
 
 bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, const Set& all_whole,

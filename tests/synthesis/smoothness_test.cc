@@ -39,13 +39,5 @@ TEST(Smoothness, OfTooFewFramesIsEmpty) {
   EXPECT_TRUE(JointJerks(OneJoint(), positions, 30).empty());
 }
 
-TEST(Percentile, IsLinearBetweenNeighbours) {
-  EXPECT_DOUBLE_EQ(Percentile({4, 1, 3, 2, 5}, 0.5), 3);
-  EXPECT_DOUBLE_EQ(Percentile({4, 1, 3, 2, 5}, 1), 5);
-  EXPECT_DOUBLE_EQ(Percentile({4, 1, 3, 2, 5}, 0.625), 3.5);
-  EXPECT_THROW(Percentile({}, 0.5), std::invalid_argument);
-  EXPECT_THROW(Percentile({1}, 1.5), std::invalid_argument);
-}
-
 }  // namespace
 }  // namespace morphograph
