@@ -112,7 +112,7 @@ std::vector<LearnedKeyframeDetector::Candidate> LearnedKeyframeDetector::Candida
   const double stride = std::max(1.0, rate_hz / options_.search_rate_hz);
   std::vector<Eigen::Matrix3Xd> windows;
   for (double frame = 0; frame <= last; frame += stride) windows.push_back(PoseWindow(clip.poses, frame, reach));
-    const int count = static_cast<int>(windows.size());
+  const int count = static_cast<int>(windows.size());
   const int kinds = static_cast<int>(kinds_.size());
 
   Eigen::MatrixXd nearest = Eigen::MatrixXd::Constant(kinds, count, std::numeric_limits<double>::infinity());
@@ -143,10 +143,9 @@ std::vector<LearnedKeyframeDetector::Candidate> LearnedKeyframeDetector::Candida
         RefineByCues(kinds_[candidate.kind].cues, clip.signals, rate_hz, candidate.frame, options_.cue_reach_s);
     if (refined) candidate.frame = *refined;
   }
-  // A key frame shows more in what follows it than in what comes before: of its window half of the part before and all of the part
-  // after must be in the clip.
+  // A key frame shows more in what follows it than in what comes before.
   std::erase_if(candidates, [&](const Candidate& candidate) {
-    return candidate.frame < 0.5 * reach || candidate.frame > last - reach;
+    return candidate.frame < 0.5 * reach || candidate.frame > last - std::max(reach, options_.min_seen_s * rate_hz);
   });
   std::stable_sort(candidates.begin(), candidates.end(),
                    [](const Candidate& a, const Candidate& b) { return a.frame < b.frame; });
@@ -166,6 +165,16 @@ void LearnedKeyframeDetector::DropCrowded(double rate_hz, std::vector<Candidate>
     if (!crowded) kept.push_back(candidate);
   }
   *candidates = std::move(kept);
+}
+
+// Whether a candidate that is no key frame shows how unlike key frames others may be. One beside a label of its kind is like enough,
+// only late or early; and near an end of the clip there may be one that nobody marked, as of a foot that already stood there.
+bool LearnedKeyframeDetector::TeachesThreshold(const Candidate& wrong, const KeyframeExamples& example) const {
+  const double near = kinds_[wrong.kind].spacing_s * example.clip->frame_rate_hz();
+  if (wrong.frame < near || wrong.frame > example.clip->frame_count() - 1 - near) return false;
+  return std::none_of(example.labels.begin(), example.labels.end(), [&](const LabelledFrame& labelled) {
+    return labelled.label == kinds_[wrong.kind].label && std::abs(labelled.frame - wrong.frame) < near;
+  });
 }
 
 void LearnedKeyframeDetector::SetThreshold(const std::vector<KeyframeExamples>& examples, const std::vector<Lesson>& lessons) {
@@ -188,7 +197,7 @@ void LearnedKeyframeDetector::SetThreshold(const std::vector<KeyframeExamples>& 
         if (std::abs(labelled.frame - candidate.frame) > options_.tolerance_s * rate) continue;
         (labelled.doubtful ? doubtful : right) = true;
       }
-      if (right || !doubtful) judged.push_back({candidate.depth, right});
+      if (right || (!doubtful && TeachesThreshold(candidate, examples[c]))) judged.push_back({candidate.depth, right});
     }
   }
   std::stable_sort(judged.begin(), judged.end());

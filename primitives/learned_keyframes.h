@@ -32,6 +32,7 @@ struct LearnedKeyframeOptions {
   int cues = 3;                  // turning points that agree on the time of a key frame (see TimingCue)
   double cue_reach_s = 0.15;     // how far off a candidate may be for them to right it
   double spacing = 0.5;          // least time between two of a kind, as part of the least seen in the examples
+  double min_seen_s = 0.12;      // a key frame this close to the end of the clip cannot be told from a graze (see KeyframeOptions)
 };
 
 /// Finds key frames of any action by the nearest labelled example (Du 4.2.2).
@@ -44,13 +45,15 @@ struct LearnedKeyframeOptions {
 /// Departures: weights are learned from the examples (see DiscriminantWeights), not set by depth in the hierarchy. Where labels name a
 /// side ("left_strike", "right_strike"), mirrored examples teach the other side. The threshold, which Du sets by hand on the distance, is
 /// set on its depth, which does not grow with style or body: the one with the best F1 score when each example clip is searched with the
-/// examples of the other clips.
+/// examples of the other clips. Wrong candidates that are wrong for another reason than likeness have no say in it: those beside
+/// a label of their kind came out at the wrong time, and near the ends of a clip people leave real ones unmarked.
 class LearnedKeyframeDetector {
  public:
   /// @throws std::invalid_argument when no label lies in any clip, or a clip lacks a role of EvaluationRoles.
   explicit LearnedKeyframeDetector(const std::vector<KeyframeExamples>& examples, const LearnedKeyframeOptions& options = {});
 
-  /// Key frames in time order; none in the first half of `window_s` nor in the last `window_s` of a clip. @throws std::invalid_argument when the clip lacks a role of EvaluationRoles.
+  /// Key frames in time order; none in the first half of `window_s` nor in the last `min_seen_s` of a clip.
+  /// @throws std::invalid_argument when the clip lacks a role of EvaluationRoles.
   std::vector<LearnedKeyframe> Detect(const MotionClip& clip) const;
 
   /// Greatest accepted depth (see LearnedKeyframe).
@@ -87,6 +90,7 @@ class LearnedKeyframeDetector {
   void SetWeights(const std::vector<Lesson>& lessons);
   void SetThreshold(const std::vector<KeyframeExamples>& examples, const std::vector<Lesson>& lessons);
   std::vector<Candidate> Candidates(const Features& clip, int without_clip) const;
+  bool TeachesThreshold(const Candidate& wrong, const KeyframeExamples& example) const;
   void DropCrowded(double rate_hz, std::vector<Candidate>* candidates) const;
 
   LearnedKeyframeOptions options_;

@@ -1,12 +1,14 @@
 // Key frames against the labelled recordings: precision, extraction rate and distortion (Du Eq. 4.1-4.3) as counters.
 #include <benchmark/benchmark.h>
 
+#include <algorithm>
 #include <map>
 #include <string>
 #include <vector>
 
 #include "primitives/keyframe_detector.h"
 #include "primitives/learned_keyframes.h"
+#include "tests/support/keyframe_splits.h"
 #include "tests/support/labelled_clips.h"
 #include "tests/support/shared_data.h"
 
@@ -25,11 +27,6 @@ const std::vector<LabelledClip>& Clips(const std::string& set) {
   return it->second;
 }
 
-KeyframeScore Score(const LabelledClip& clip, const std::vector<Keyframe>& found) {
-  const double rate = clip.clip.frame_rate_hz();
-  return EvaluateKeyframes(found, clip.reference, testing::StanceLabels(), rate, testing::StrikeToleranceS(rate));
-}
-
 void Report(benchmark::State& state, const KeyframeScore& score, int frames) {
   state.counters["precision"] = score.precision();
   state.counters["extraction_rate"] = score.extraction_rate();
@@ -46,7 +43,7 @@ void BM_FeatureKeyframes(benchmark::State& state, const char* set) {
     score = {};
     frames = 0;
     for (const LabelledClip& clip : clips) {
-      score += Score(clip, DetectKeyframes(clip.clip));
+      score += testing::JudgeKeyframes(DetectKeyframes(clip.clip), clip);
       frames += clip.clip.frame_count();
     }
   }
@@ -56,34 +53,80 @@ BENCHMARK_CAPTURE(BM_FeatureKeyframes, cmu, "cmu")->Unit(benchmark::kMillisecond
 BENCHMARK_CAPTURE(BM_FeatureKeyframes, bnr, "bnr")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_FeatureKeyframes, neura_s02, "neura_s02")->Unit(benchmark::kMillisecond);
 
-// Learned from every other clip, judged on the rest; both ways.
+// Learned from every other clip, judged on the rest; both ways. Time is that of learning and detecting together.
 void BM_LearnedKeyframes(benchmark::State& state, const char* set) {
   const std::vector<LabelledClip>& clips = Clips(set);
   if (clips.empty()) return state.SkipWithError("the recordings are not here: set MORPHOGRAPH_DATA");
   KeyframeScore score;
   int frames = 0;
-  for (auto _ : state) {
-    score = {};
-    frames = 0;
-    for (size_t half = 0; half < 2; ++half) {
-      std::vector<KeyframeExamples> examples;
-      for (size_t i = half; i < clips.size(); i += 2) {
-        std::vector<LabelledFrame> labels = clips[i].labels;
-        std::erase_if(labels, [](const LabelledFrame& label) { return !label.label.ends_with("_strike"); });
-        for (LabelledFrame& label : labels) label.frame -= clips[i].dropped_frames;
-        examples.push_back({&clips[i].clip, std::move(labels)});
-      }
-      const LearnedKeyframeDetector detector(examples);
-      for (size_t i = 1 - half; i < clips.size(); i += 2) {
-        score += Score(clips[i], WalkingKeyframes(detector.Detect(clips[i].clip)));
-        frames += clips[i].clip.frame_count();
-      }
-    }
-  }
+  for (const LabelledClip& clip : clips) frames += clip.clip.frame_count();
+  for (auto _ : state) score = testing::JudgeLearned(clips, testing::AlternateHalves(clips.size()));
   Report(state, score, frames);
 }
 BENCHMARK_CAPTURE(BM_LearnedKeyframes, cmu, "cmu")->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(BM_LearnedKeyframes, bnr, "bnr")->Unit(benchmark::kMillisecond);
+
+// Detection alone, by all the labels: the published hours are of this.
+void BM_LearnedDetection(benchmark::State& state, const char* set) {
+  const std::vector<LabelledClip>& clips = Clips(set);
+  if (clips.empty()) return state.SkipWithError("the recordings are not here: set MORPHOGRAPH_DATA");
+  std::vector<KeyframeExamples> examples;
+  for (const LabelledClip& clip : clips) examples.push_back(testing::StrikeExamples(clip));
+  const LearnedKeyframeDetector detector(examples);
+  int frames = 0;
+  for (const LabelledClip& clip : clips) frames += clip.clip.frame_count();
+  for (auto _ : state) {
+    for (const LabelledClip& clip : clips) benchmark::DoNotOptimize(detector.Detect(clip.clip).data());
+  }
+  state.counters["frames_per_s"] = benchmark::Counter(frames, benchmark::Counter::kIsIterationInvariantRate);
+}
+BENCHMARK_CAPTURE(BM_LearnedDetection, cmu, "cmu")->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(BM_LearnedDetection, bnr, "bnr")->Unit(benchmark::kMillisecond);
+
+// How much the figure hangs on the split: mean and worst over halves drawn at random, by clip, each judged both ways.
+void BM_LearnedOverRandomHalves(benchmark::State& state, const char* set, int splits) {
+  const std::vector<LabelledClip>& clips = Clips(set);
+  if (clips.empty()) return state.SkipWithError("the recordings are not here: set MORPHOGRAPH_DATA");
+  for (auto _ : state) {
+    double precision = 0, rate = 0, worst_precision = 1, worst_rate = 1;
+    for (int seed = 1; seed <= splits; ++seed) {
+      const KeyframeScore score =
+          testing::JudgeLearned(clips, testing::RandomHalves(clips.size(), static_cast<std::uint64_t>(seed)));
+      precision += score.precision() / splits;
+      rate += score.extraction_rate() / splits;
+      worst_precision = std::min(worst_precision, score.precision());
+      worst_rate = std::min(worst_rate, score.extraction_rate());
+    }
+    state.counters["precision_mean"] = precision;
+    state.counters["precision_worst"] = worst_precision;
+    state.counters["extraction_rate_mean"] = rate;
+    state.counters["extraction_rate_worst"] = worst_rate;
+  }
+}
+BENCHMARK_CAPTURE(BM_LearnedOverRandomHalves, cmu, "cmu", 40)->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(BM_LearnedOverRandomHalves, bnr, "bnr", 5)->Unit(benchmark::kMillisecond)->Iterations(1);
+
+// Each subject (cmu) or style (bnr) by what all the others teach.
+void BM_LearnedFromTheOthers(benchmark::State& state, const char* set) {
+  const std::vector<LabelledClip>& clips = Clips(set);
+  if (clips.empty()) return state.SkipWithError("the recordings are not here: set MORPHOGRAPH_DATA");
+  for (auto _ : state) {
+    KeyframeScore sum;
+    double worst_precision = 1, worst_rate = 1;
+    for (const testing::KeyframeFold& fold : testing::LeaveGroupsOut(clips)) {
+      const KeyframeScore score = testing::JudgeLearned(clips, {fold});
+      worst_precision = std::min(worst_precision, score.precision());
+      worst_rate = std::min(worst_rate, score.extraction_rate());
+      sum += score;
+    }
+    state.counters["precision"] = sum.precision();
+    state.counters["precision_worst"] = worst_precision;
+    state.counters["extraction_rate"] = sum.extraction_rate();
+    state.counters["extraction_rate_worst"] = worst_rate;
+  }
+}
+BENCHMARK_CAPTURE(BM_LearnedFromTheOthers, cmu, "cmu")->Unit(benchmark::kMillisecond)->Iterations(1);
+BENCHMARK_CAPTURE(BM_LearnedFromTheOthers, bnr, "bnr")->Unit(benchmark::kMillisecond)->Iterations(1);
 
 }  // namespace
 }  // namespace morphograph
