@@ -153,6 +153,15 @@ std::vector<Landing> LandingsByContact(const ContactTrack& contacts, const Paths
   return landings;
 }
 
+// Whether both feet are on the floor in all frames of [first, last].
+bool BothStand(const ContactTrack& contacts, int first, int last) {
+  bool stands[2] = {false, false};
+  for (const ContactInterval& contact : contacts.intervals) {
+    if (contact.first <= first && last <= contact.last) stands[contact.foot == Foot::kLeft ? 0 : 1] = true;
+  }
+  return stands[0] && stands[1];
+}
+
 // Of landings closer than the least step time the stronger stays; the sooner where they are equal.
 std::vector<Landing> Thinned(std::vector<Landing> landings, double min_frames) {
   std::stable_sort(landings.begin(), landings.end(), [](const Landing& a, const Landing& b) { return a.frame < b.frame; });
@@ -237,12 +246,12 @@ std::vector<Keyframe> DetectKeyframes(const MotionClip& clip, const KeyframeOpti
     return landing.frame > paths.frames - 1 - options.min_seen_s * rate || Inside(standing, landing.frame);
   });
 
-  // A foot that closes up before a stand never parts from the other: no peak, but a contact.
+  // A foot that closes up before a stand never parts from the other: no peak, but a contact, after which no foot moves again.
   if (options.landing == LandingFeature::kReach && !standing.empty()) {
     const size_t by_distance = landings.size();
     for (const Landing& closing : LandingsByContact(contacts, paths, options)) {
       const bool before_stand = std::any_of(standing.begin(), standing.end(), [&](const Phase& phase) {
-        return closing.frame <= phase.first && phase.first - closing.frame < options.min_standing_s * rate;
+        return closing.frame <= phase.first && BothStand(contacts, static_cast<int>(closing.frame), phase.first);
       });
       const bool found = std::any_of(landings.begin(), landings.begin() + static_cast<std::ptrdiff_t>(by_distance),
                                      [&](const Landing& landing) {
