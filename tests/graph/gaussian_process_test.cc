@@ -130,6 +130,83 @@ TEST(GaussianProcess, OfPureNoisePredictsNearZero) {
   EXPECT_LT(mean_square, 0.05);
 }
 
+TEST(GaussianProcess, PredictsWhatItHasNotSeenFarBetterThanTheMean) {
+  std::mt19937_64 rng(11);
+  const double noise = 0.1;
+  const Eigen::MatrixXd x = RandomNormal(2, 250, rng), y = Smooth(x) + noise * RandomNormal(2, 250, rng);
+  const Eigen::VectorXd mean = y.rowwise().mean();
+  const GaussianProcess process = GaussianProcess::Fit(x, y.colwise() - mean);
+  const Eigen::MatrixXd unseen = RandomNormal(2, 400, rng), truth = Smooth(unseen);
+  double of_process = 0, of_mean = 0;
+  for (int i = 0; i < 400; ++i) {
+    of_process += (mean + process.PredictMean(unseen.col(i)) - truth.col(i)).squaredNorm() / 800;
+    of_mean += (mean - truth.col(i)).squaredNorm() / 800;
+  }
+  EXPECT_LT(of_process, 0.02 * of_mean);
+  EXPECT_LT(of_process, 0.5 * noise * noise);  // averages the noise away: nearer to the function than any one observation
+  EXPECT_NEAR(std::sqrt(process.kernel().noise_variance), noise, 0.02);
+}
+
+// Squared errors over predicted variances, and how often an error is below one and below 1.96 deviations.
+struct Calibration {
+  double mean_square = 0, within_1 = 0, within_196 = 0, mean_log_density = 0;
+};
+
+Calibration Calibrate(const GaussianProcess& process, const Eigen::MatrixXd& x, const Eigen::MatrixXd& y) {
+  Calibration sum;
+  const double share = 1.0 / static_cast<double>(y.size());
+  for (Eigen::Index i = 0; i < x.cols(); ++i) {
+    const GaussianPrediction at = process.Predict(x.col(i));
+    const double variance = at.variance + process.kernel().noise_variance;
+    for (Eigen::Index e = 0; e < y.rows(); ++e) {
+      const double z2 = std::pow(y(e, i) - at.mean[e], 2) / variance;
+      sum.mean_square += share * z2;
+      sum.within_1 += z2 < 1 ? share : 0;
+      sum.within_196 += z2 < 1.96 * 1.96 ? share : 0;
+      sum.mean_log_density -= share * 0.5 * (z2 + std::log(2 * std::numbers::pi * variance));
+    }
+  }
+  return sum;
+}
+
+TEST(GaussianProcess, PredictedVariancesAreThoseOfItsErrors) {
+  // Functions drawn from a known process; half of the unseen inputs lie where pairs are dense, half where there are few or none.
+  std::mt19937_64 rng(12);
+  const int seen = 150, unseen = 200, outputs = 40;
+  Eigen::MatrixXd x = RandomNormal(2, seen + unseen, rng);
+  x.rightCols(unseen / 2) *= 3;
+  const GaussianProcessKernel kernel{2, 0.9, 0.3, 0.1};
+  Eigen::MatrixXd covariance(x.cols(), x.cols());
+  for (Eigen::Index i = 0; i < x.cols(); ++i)
+    for (Eigen::Index j = 0; j < x.cols(); ++j)
+      covariance(i, j) = 2 * std::exp(-(x.col(i) - x.col(j)).squaredNorm() / (2 * 0.9 * 0.9)) + 0.3 * x.col(i).dot(x.col(j)) +
+                         (i == j ? 0.1 : 0);
+  const Eigen::MatrixXd factor = covariance.llt().matrixL();
+  const Eigen::MatrixXd y = (factor * RandomNormal(x.cols(), outputs, rng)).transpose();
+  const Eigen::MatrixXd new_x = x.rightCols(unseen), new_y = y.rightCols(unseen);
+
+  const GaussianProcess known = GaussianProcess::Condition(kernel, x.leftCols(seen), y.leftCols(seen));
+  const GaussianProcess found = GaussianProcess::Fit(x.leftCols(seen), y.leftCols(seen), {.linear = true});
+  for (const GaussianProcess* process : {&known, &found}) {
+    const Calibration calibration = Calibrate(*process, new_x, new_y);
+    EXPECT_NEAR(calibration.mean_square, 1, 0.1);
+    EXPECT_NEAR(calibration.within_1, 0.683, 0.03);
+    EXPECT_NEAR(calibration.within_196, 0.95, 0.02);
+  }
+  // In each part by itself too: the variance says where the process knows little.
+  for (const int first : {0, unseen / 2}) {
+    const Eigen::MatrixXd part_x = new_x.middleCols(first, unseen / 2), part_y = new_y.middleCols(first, unseen / 2);
+    EXPECT_NEAR(Calibrate(known, part_x, part_y).mean_square, 1, 0.1) << first;
+  }
+  // Of many pairs only the density is known to follow: the variance of inducing points is an upper bound.
+  const GaussianProcess sparse = GaussianProcess::Condition(kernel, x.leftCols(seen), y.leftCols(seen),
+                                                            {.max_exact_pairs = seen - 1, .inducing_points = 60});
+  const Calibration bound = Calibrate(sparse, new_x, new_y);
+  EXPECT_LT(bound.mean_square, 1.1);
+  EXPECT_GT(bound.within_196, 0.93);
+  EXPECT_GT(Calibrate(known, new_x, new_y).mean_log_density, bound.mean_log_density);
+}
+
 TEST(GaussianProcess, InducingPointsComeCloseToTheExactProcess) {
   std::mt19937_64 rng(8);
   const Eigen::MatrixXd x = RandomNormal(2, 500, rng), y = Smooth(x) + 0.1 * RandomNormal(2, 500, rng);

@@ -4,6 +4,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/LU>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -145,6 +146,45 @@ TEST(FitGaussianMixture, FindsWellSeparatedClusters) {
     EXPECT_LT((fit.mixture.Component(k).mean - mean).norm(), 1e-6);
     EXPECT_NEAR(std::exp(fit.mixture.Component(k).log_weight), 1.0 / 3, 1e-6);
   }
+}
+
+TEST(FitGaussianMixture, RecoversAKnownMixtureAndItsDensityOfNewSamples) {
+  std::mt19937_64 rng(14);
+  std::vector<MixtureComponent> parts;
+  for (const double weight : {0.5, 0.3, 0.2}) parts.push_back(RandomComponent(3, std::log(weight), rng));
+  // Near enough to overlap: k-means alone would cut them apart in the wrong places.
+  parts[0].mean = Eigen::Vector3d(0, 0, 0);
+  parts[1].mean = Eigen::Vector3d(4, 0, 1);
+  parts[2].mean = Eigen::Vector3d(0, -4, 3);
+  const GaussianMixture truth(parts);
+  const auto draw = [&](int count) {
+    Eigen::MatrixXd samples(3, count);
+    for (int i = 0; i < count; ++i) samples.col(i) = truth.Sample(rng);
+    return samples;
+  };
+  const auto mean_log_density = [](const GaussianMixture& mixture, const Eigen::MatrixXd& samples) {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < samples.cols(); ++i) sum += mixture.LogDensity(samples.col(i));
+    return sum / static_cast<double>(samples.cols());
+  };
+  const Eigen::MatrixXd seen = draw(6000), unseen = draw(4000);
+  GaussianMixtureOptions options;
+  options.shrinkage = 0;
+  const GaussianMixture found = FitGaussianMixture(seen, 3, CovarianceForm::kFull, options, rng).mixture;
+  for (const MixtureComponent& part : truth.components()) {
+    const auto distance = [&](const MixtureComponent& c) { return (c.mean - part.mean).norm(); };
+    const MixtureComponent& nearest = *std::min_element(
+        found.components().begin(), found.components().end(),
+        [&](const MixtureComponent& a, const MixtureComponent& b) { return distance(a) < distance(b); });
+    const Eigen::Matrix3d covariance = part.cholesky * part.cholesky.transpose();
+    EXPECT_LT(distance(nearest), 0.1 * std::sqrt(covariance.trace()));
+    EXPECT_NEAR(std::exp(nearest.log_weight), std::exp(part.log_weight), 0.025);
+    EXPECT_LT((nearest.cholesky * nearest.cholesky.transpose() - covariance).norm(), 0.12 * covariance.norm());
+  }
+  const double best = mean_log_density(truth, unseen);
+  const GaussianMixture one = FitGaussianMixture(seen, 1, CovarianceForm::kFull, options, rng).mixture;
+  EXPECT_GT(mean_log_density(found, unseen), best - 0.01);
+  EXPECT_LT(mean_log_density(one, unseen), best - 0.1);
 }
 
 TEST(FitGaussianMixture, TakesFewerSamplesThanDimensionsDuplicatesAndOne) {

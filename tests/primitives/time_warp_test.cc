@@ -209,7 +209,8 @@ TEST(TimeWarp, FitKeepsStairStepsOut) {
   // Uniform time between 17 and 23 frames: the path is a stair, the fit must be a line.
   const WarpPath path = StairOf(TimeWarp(), 17, 23);
   const TimeWarp warp = TimeWarp::Fit(path, 17, 23, 6, 1e-3);
-  EXPECT_LT(warp.log_slopes().cwiseAbs().maxCoeff(), 0.1);
+  // Not 0: the stair's end points are fixed and its first and last treads are half as wide as the others. Measured 0.081, at the ends.
+  EXPECT_LT(warp.log_slopes().cwiseAbs().maxCoeff(), 0.085);
   const TimeWarp unregularised = TimeWarp::Fit(path, 17, 23, 6, 1e-9);
   EXPECT_GT(unregularised.log_slopes().cwiseAbs().maxCoeff(), 1.2 * warp.log_slopes().cwiseAbs().maxCoeff());
 }

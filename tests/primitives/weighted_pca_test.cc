@@ -88,6 +88,35 @@ TEST(WeightedPca, IsTheBestReconstructionOfItsRankInTheWeightedNorm) {
   EXPECT_GT(error_of(plain.basis), error * 1.01);
 }
 
+TEST(WeightedPca, LeavesLessOfUnseenSamplesThanPlainPcaOrRandomAxes) {
+  std::mt19937_64 rng(10);
+  // Noise on the dimensions of little weight, as on the leaves of a body: plain PCA spends its axes on it.
+  const int dimension = 16, rank = 4;
+  const Eigen::MatrixXd motion = RandomNormal(dimension, rank, rng);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(dimension), noise = Eigen::VectorXd::Constant(dimension, 0.1);
+  weights.tail(6).setConstant(0.001);
+  noise.tail(6).setConstant(6);
+  const auto draw = [&](int count) -> Eigen::MatrixXd {
+    return motion * RandomNormal(rank, count, rng) + noise.asDiagonal() * RandomNormal(dimension, count, rng);
+  };
+  const Eigen::MatrixXd seen = draw(80), unseen = draw(400);
+  const auto left = [&](const WeightedPca& pca) {
+    const Eigen::MatrixXd scaled = weights.cwiseSqrt().asDiagonal() * pca.basis;
+    const Eigen::MatrixXd centred = weights.cwiseSqrt().asDiagonal() * (unseen.colwise() - pca.mean);
+    return (centred - scaled * scaled.colPivHouseholderQr().solve(centred)).squaredNorm() / centred.squaredNorm();
+  };
+  const WeightedPcaOptions options{.variance_kept = 1.0, .max_components = rank};
+  const WeightedPca weighted = FitWeightedPca(seen, weights, options);
+  const WeightedPca plain = FitWeightedPca(seen, Eigen::VectorXd::Ones(dimension), options);
+  EXPECT_LT(left(weighted), 0.05);
+  EXPECT_GT(left(plain), 3 * left(weighted));
+  WeightedPca random = weighted;
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    random.basis = RandomNormal(dimension, rank, rng);
+    EXPECT_GT(left(random), 3 * left(weighted));
+  }
+}
+
 TEST(WeightedPca, KeepsJustEnoughComponents) {
   std::mt19937_64 rng(5);
   const Eigen::MatrixXd samples = Samples(20, 80, rng);
