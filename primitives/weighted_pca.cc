@@ -1,11 +1,11 @@
 #include "primitives/weighted_pca.h"
 
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <sstream>
 #include <stdexcept>
+
+#include "primitives/matrix_factors.h"
 
 namespace morphograph {
 namespace {
@@ -32,33 +32,6 @@ void Check(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, const
   if (const std::string text = problem.str(); !text.empty()) throw std::invalid_argument("WeightedPca: " + text);
 }
 
-// Leading part of X = U diag(s) V^T, U (rows x kept), V (columns x kept), and all singular values.
-struct LeadingSvd {
-  Eigen::MatrixXd u, v;
-  Eigen::VectorXd s;
-};
-
-// Householder QR of the longer side first, so that the iterations run on a square of the shorter one, and back through
-// it with the kept axes alone. `count_kept` tells from the singular values how many those are.
-template <typename CountKept>
-LeadingSvd Decompose(const Eigen::MatrixXd& x, const CountKept& count_kept) {
-  if (x.rows() < x.cols()) {
-    LeadingSvd turned = Decompose(x.transpose(), count_kept);
-    turned.u.swap(turned.v);
-    return turned;
-  }
-  const Eigen::Index n = x.cols();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
-  const Eigen::MatrixXd r = qr.matrixQR().topRows(n).triangularView<Eigen::Upper>();
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(r, Eigen::ComputeFullU | Eigen::ComputeFullV);
-  if (svd.info() != Eigen::Success) throw std::runtime_error("WeightedPca: the singular value decomposition failed");
-  const Eigen::Index kept = count_kept(svd.singularValues());
-  Eigen::MatrixXd u = Eigen::MatrixXd::Zero(x.rows(), kept);
-  u.topRows(n) = svd.matrixU().leftCols(kept);
-  u.applyOnTheLeft(qr.householderQ());
-  return {std::move(u), svd.matrixV().leftCols(kept), svd.singularValues()};
-}
-
 void CheckSize(Eigen::Index actual, Eigen::Index expected, const char* what) {
   if (actual != expected)
     throw std::invalid_argument(std::string("WeightedPca: ") + what + " has " + std::to_string(actual) +
@@ -79,42 +52,40 @@ WeightedPca FitWeightedPca(const Eigen::MatrixXd& samples, const Eigen::VectorXd
   // size of the samples before the mean was taken out.
   const double rounding = static_cast<double>(std::max(samples.rows(), samples.cols())) * std::numeric_limits<double>::epsilon();
   const double magnitude = (root_weights.asDiagonal() * samples).norm();
-  double threshold = 0, total = 0, sum = 0;
-  const auto count_kept = [&](const Eigen::VectorXd& singular_values) {
-    threshold = rounding * std::max(singular_values.size() > 0 ? singular_values[0] : 0.0, magnitude);
-    total = singular_values.squaredNorm() / count;
-    Eigen::Index kept = 0;
-    while (kept < singular_values.size() && kept < options.max_components && singular_values[kept] > threshold &&
-           sum < options.variance_kept * total) {
-      sum += singular_values[kept] * singular_values[kept] / count;
-      ++kept;
-    }
-    return kept;
-  };
   const Eigen::MatrixXd weighted = root_weights.asDiagonal() * centred;
-  LeadingSvd svd = Decompose(weighted, count_kept);  // Eq. 3.26, transposed: samples are columns
+  double threshold = 0, total = 0, sum = 0;
+  const SingularFactors svd = FactorSingular(weighted, [&](const Eigen::VectorXd& values) {  // Eq. 3.26, transposed
+    threshold = rounding * std::max(values.size() > 0 ? values[0] : 0.0, magnitude);
+    total = values.squaredNorm() / count;
+    Eigen::Index wanted = 0;
+    while (wanted < values.size() && wanted < options.max_components && values[wanted] > threshold &&
+           sum < options.variance_kept * total) {
+      sum += values[wanted] * values[wanted] / count;
+      ++wanted;
+    }
+    return wanted;
+  });
   const Eigen::Index kept = svd.u.cols();
 
-  out.variances = svd.s.head(kept).array().square() / count;
+  out.variances = svd.values.head(kept).array().square() / count;
   // Nothing kept is everything where there was nothing but rounding to keep.
-  const double rounding_total = threshold * threshold / count * static_cast<double>(svd.s.size());
+  const double rounding_total = threshold * threshold / count * static_cast<double>(svd.values.size());
   out.variance_kept = kept > 0 ? std::min(1.0, sum / total) : (total <= rounding_total ? 1.0 : 0.0);
   out.basis.resize(samples.rows(), kept);
+  Eigen::VectorXd signs(kept);
   for (Eigen::Index k = 0; k < kept; ++k) {
     Eigen::Index largest = 0;
     svd.u.col(k).cwiseAbs().maxCoeff(&largest);
-    if (svd.u(largest, k) < 0) {
-      svd.u.col(k) *= -1;
-      svd.v.col(k) *= -1;
-    }
+    signs[k] = svd.u(largest, k) < 0 ? -1 : 1;
   }
   for (Eigen::Index i = 0; i < samples.rows(); ++i) {
     if (weights[i] > 0) {
       out.basis.row(i) = svd.u.row(i) / root_weights[i];  // B = W^(-1/2) V, Eq. 3.28
     } else {  // the same by regression, X A M^(-1), which needs no division by the weight
-      out.basis.row(i) = (centred.row(i) * svd.v).array() / svd.s.head(kept).transpose().array();
+      out.basis.row(i) = (centred.row(i) * svd.v).array() / svd.values.head(kept).transpose().array();
     }
   }
+  out.basis *= signs.asDiagonal();
   return out;
 }
 

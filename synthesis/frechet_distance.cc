@@ -1,21 +1,12 @@
 #include "synthesis/frechet_distance.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
+#include "primitives/matrix_factors.h"
+
 namespace morphograph {
-namespace {
-
-Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> Decompose(const Eigen::MatrixXd& symmetric) {
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(symmetric);
-  if (solver.info() != Eigen::Success)
-    throw std::runtime_error("FrechetDistance: eigen-decomposition failed");
-  return solver;
-}
-
-}  // namespace
 
 GaussianFit FitGaussian(const Eigen::MatrixXd& samples) {
   if (samples.cols() < 2) {
@@ -35,13 +26,13 @@ double FrechetDistance(const GaussianFit& a, const GaussianFit& b) {
     throw std::invalid_argument("FrechetDistance: dimensions differ, " + std::to_string(a.mean.size()) +
                                 " and " + std::to_string(b.mean.size()));
   }
-  const auto of_a = Decompose(a.covariance);
+  const SymmetricFactors of_a = FactorSymmetric(a.covariance);
   // Rounding can leave eigenvalues of a singular covariance slightly below zero.
-  const Eigen::VectorXd roots = of_a.eigenvalues().cwiseMax(0.0).cwiseSqrt();
-  const Eigen::MatrixXd root_a = of_a.eigenvectors() * roots.asDiagonal() * of_a.eigenvectors().transpose();
+  const Eigen::VectorXd roots = of_a.values.cwiseMax(0.0).cwiseSqrt();
+  const Eigen::MatrixXd root_a = of_a.vectors * roots.asDiagonal() * of_a.vectors.transpose();
   const Eigen::MatrixXd product = root_a * b.covariance * root_a;
-  const auto of_product = Decompose(0.5 * (product + product.transpose()));
-  const double cross = of_product.eigenvalues().cwiseMax(0.0).cwiseSqrt().sum();
+  const SymmetricFactors of_product = FactorSymmetric(0.5 * (product + product.transpose()));
+  const double cross = of_product.values.cwiseMax(0.0).cwiseSqrt().sum();
   const double squared =
       (a.mean - b.mean).squaredNorm() + a.covariance.trace() + b.covariance.trace() - 2 * cross;
   return std::max(0.0, squared);

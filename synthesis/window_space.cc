@@ -1,11 +1,11 @@
 #include "synthesis/window_space.h"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
 
+#include "primitives/matrix_factors.h"
 #include "synthesis/frechet_distance.h"
 
 namespace morphograph {
@@ -15,15 +15,14 @@ WindowSpace::WindowSpace(const Eigen::MatrixXd& windows, int directions) {
   const GaussianFit fit = FitGaussian(windows);
   // Through the covariance, not the SVD of the windows: 220 dimensions against tens of thousands of windows,
   // and only the leading directions matter, which the squared condition number does not hurt.
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(fit.covariance);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("WindowSpace: eigen-decomposition failed");
-  const double largest = solver.eigenvalues().tail<1>()[0];
+  const SymmetricFactors factors = FactorSymmetric(fit.covariance);
+  const double largest = factors.values.tail<1>()[0];
   if (!(largest > 0)) throw std::invalid_argument("WindowSpace: the windows never vary");
   const Eigen::Index kept = std::min<Eigen::Index>(directions, fit.mean.size());
   mean_ = fit.mean;
-  basis_ = solver.eigenvectors().rightCols(kept).rowwise().reverse();
+  basis_ = factors.vectors.rightCols(kept).rowwise().reverse();
   first_deviation_ = std::sqrt(largest);
-  variance_kept_ = solver.eigenvalues().tail(kept).sum() / solver.eigenvalues().sum();
+  variance_kept_ = factors.values.tail(kept).sum() / factors.values.sum();
 }
 
 Eigen::MatrixXd WindowSpace::Project(const Eigen::MatrixXd& windows) const {
