@@ -123,23 +123,32 @@ void NoteMissingPrimitives(const GraphContents& contents, std::vector<std::strin
       const bool there = std::any_of(contents.primitives.begin(), contents.primitives.end(), [&](const MotionPrimitive& p) {
         return p.style == style.name && p.name == name;
       });
-      if (!there) {
-        notes->push_back(name + (style.name.empty() ? "" : " (" + style.name + ")") + ": the data hold no such steps");
+      const std::string label = name + (style.name.empty() ? "" : " (" + style.name + ")");
+      const bool noted = std::any_of(notes->begin(), notes->end(),
+                                     [&](const std::string& note) { return note.starts_with(label + ": only"); });
+      if (!there && !noted) {
+        notes->push_back(label + ": the data hold no such steps");
       }
     }
   }
 }
 
 std::vector<GraphStyle> MakeStyles(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps,
-                                   const std::vector<StepClass>& classes, const PoseLayout& layout) {
+                                   const std::vector<StepClass>& classes, const PoseLayout& layout, const std::string& action) {
   std::set<std::string> names;
   for (const StepClass& group : classes) names.insert(group.style);
   std::vector<GraphStyle> styles;
   for (const std::string& name : names) {
-    std::vector<StepOfClip> style_steps;
+    // Slow steps count where they would as walking steps, so that walks do not depend on what became of them, to the last bit.
+    std::map<std::string, std::vector<int>> in_order;
     for (const StepClass& group : classes) {
       if (group.style != name) continue;
-      for (const int i : group.members) style_steps.push_back({&clips[steps[i].clip].clip, steps[i].span});
+      for (const int i : group.members) in_order[WalkingNameOf(steps[i], action)].push_back(i);
+    }
+    std::vector<StepOfClip> style_steps;
+    for (auto& [kind, members] : in_order) {
+      std::sort(members.begin(), members.end());
+      for (const int i : members) style_steps.push_back({&clips[steps[i].clip].clip, steps[i].span});
     }
     std::vector<const PreparedClip*> style_clips;
     for (const PreparedClip& clip : clips) {
@@ -232,7 +241,8 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   const std::vector<PreparedClip> prepared = PrepareClips(clips, options, &progress, &notes);
   if (prepared.empty()) throw DatasetError(options.name, "no clip is long enough to learn from");
   progress.Begin("steps", 0.2, 0.25, 1);
-  const std::vector<TrainingStep> steps = FindSteps(prepared, options.jobs, options.action);
+  std::vector<TrainingStep> steps = FindSteps(prepared, options.jobs, options.action);
+  for (std::string& note : SettleSlowSteps(prepared, options.action, kFewestStarts, &steps)) notes.push_back(std::move(note));
   const std::vector<StepClass> classes = UsableClasses(prepared, steps, &notes);
   if (classes.empty()) {
     throw DatasetError(options.name, "no kind of step has enough examples in " + std::to_string(prepared.size()) +
@@ -241,7 +251,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   progress.Step();
 
   contents.layout = PoseLayout(prepared.front().clip.shared_skeleton(), FindActiveJoints(prepared));
-  contents.styles = MakeStyles(prepared, steps, classes, contents.layout);
+  contents.styles = MakeStyles(prepared, steps, classes, contents.layout, options.action);
   // One set of weights for all, so that classes compare.
   const Eigen::VectorXd channel_weights = contents.layout.ChannelWeights(contents.styles.front().mean_rotations);
 

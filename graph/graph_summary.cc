@@ -73,6 +73,7 @@ GraphSummary Summarise(const MotionGraph& graph) {
   summary.command = provenance.command;
   summary.notes = provenance.notes;
   summary.styles = graph.style_names();
+  summary.boundaries = FindBoundaries(graph);
   for (int p = 0; p < graph.primitive_count(); ++p) summary.primitives.push_back(SummarisePrimitive(graph, p));
   for (int e = 0; e < graph.edge_count(); ++e) {
     const TransitionModel& model = graph.transition(e);

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "graph/walk_boundary.h"
 #include "primitives/keyframe.h"
 
 namespace morphograph {
@@ -60,12 +61,12 @@ struct GraphSummary {
   std::string attribution;  // text that must be kept, may be empty
   std::string command;      // that made the model, may be empty
   std::vector<std::string> styles;
+  std::vector<StyleBoundaries> boundaries;  // how each style can start and end
   std::vector<std::string> notes;  // what training could not learn, dead ends, …
   std::vector<PrimitiveSummary> primitives;
   std::vector<EdgeSummary> edges;
 };
 
-class MotionGraph;
 GraphSummary Summarise(const MotionGraph& graph);
 
 }  // namespace morphograph

@@ -23,6 +23,8 @@ constexpr double kWarpRegularisation = 1e-3;
 // Candidates for the reference segment, spread evenly over the class.
 constexpr int kReferenceCandidates = 40;
 
+constexpr int kExamplesPerComponent = 8;
+
 using PoseClouds = std::vector<Eigen::Matrix3Xd>;
 
 // Joint positions at kAlignmentFrames instants of a step, uniform in time.
@@ -115,6 +117,12 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   primitive.style = members.style;
   primitive.start = model_step.start;
   primitive.end = model_step.end;
+  // A stand and a double stance bound the same class; one that holds real stands is called after them.
+  for (const int i : steady) {
+    const TrainingStep& step = steps[members.members[i]];
+    if (step.start == KeyframeLabel::kStanding) primitive.start = step.start;
+    if (step.end == KeyframeLabel::kStanding) primitive.end = step.end;
+  }
   primitive.initial_weight = primitive.examples;
 
   const Eigen::MatrixXd steady_vectors = vectors(Eigen::all, steady);
@@ -131,7 +139,9 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
 
   const Eigen::MatrixXd steady_latents = fitted.latents(Eigen::all, steady);
   GaussianMixtureOptions mixture_options;
-  mixture_options.max_components = options.largest_mixture;
+  // On a handful of points the information criterion takes every point for a component of its own.
+  mixture_options.max_components =
+      std::clamp(static_cast<int>(steady.size()) / kExamplesPerComponent, 1, options.largest_mixture);
   std::mt19937_64 rng(options.seed);
   const GaussianMixtureSelection selection = SelectGaussianMixture(steady_latents, mixture_options, rng);
   primitive.mixture = selection.best.mixture;

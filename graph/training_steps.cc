@@ -39,10 +39,57 @@ std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int 
                        segment.start,
                        segment.end,
                        segment.previous < 0 ? -1 : first + segment.previous,
-                       segment.steady});
+                       segment.steady,
+                       segment.slow_step});
     }
   }
   return steps;
+}
+
+std::string WalkingNameOf(const TrainingStep& step, const std::string& action) {
+  return step.slow_step ? step.primitive.substr(0, step.primitive.find('_') + 1) + action : step.primitive;
+}
+
+std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips, const std::string& action, int fewest,
+                                         std::vector<TrainingStep>* steps) {
+  struct Found {
+    int out_of_standing = 0, slow = 0;
+  };
+  std::map<std::pair<std::string, std::string>, Found> found;
+  const auto key = [&](const TrainingStep& step) { return std::pair{clips[step.clip].clip.style, step.primitive}; };
+  for (const TrainingStep& step : *steps) {
+    if (step.slow_step) {
+      ++found[key(step)].slow;
+    } else if (step.steady) {
+      ++found[key(step)].out_of_standing;
+    }
+  }
+  std::vector<std::string> notes;
+  for (const auto& [style_and_name, count] : found) {
+    const auto& [style, name] = style_and_name;
+    if (count.slow == 0 || count.slow >= fewest || count.out_of_standing >= fewest) continue;
+    notes.push_back(name + (style.empty() ? "" : " (" + style + ")") + ": only " + std::to_string(count.slow) +
+                    " examples that are slow steps of a walk, at least " + std::to_string(fewest) + " are needed; left out");
+  }
+  for (TrainingStep& step : *steps) {
+    if (!step.slow_step) continue;
+    const Found& all = found[key(step)];
+    if (all.out_of_standing < fewest && all.slow >= fewest) continue;
+    const bool left = step.primitive.starts_with("left");
+    step.primitive = WalkingNameOf(step, action);
+    const KeyframeLabel landed = left ? KeyframeLabel::kLeftStance : KeyframeLabel::kRightStance;
+    const KeyframeLabel stood = left ? KeyframeLabel::kRightStance : KeyframeLabel::kLeftStance;
+    step.start = stood;
+    step.end = landed;
+    step.steady = step.slow_step = false;
+  }
+  // What is left of the other kind where slow steps make the class is of no use to it.
+  for (TrainingStep& step : *steps) {
+    if (step.slow_step || !step.steady) continue;
+    const auto same = found.find(key(step));
+    if (same != found.end() && same->second.out_of_standing < fewest && same->second.slow >= fewest) step.steady = false;
+  }
+  return notes;
 }
 
 std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps) {

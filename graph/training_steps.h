@@ -29,6 +29,7 @@ struct TrainingStep {
   KeyframeLabel end = KeyframeLabel::kLeftStance;
   int previous = -1;  // index of the step directly before it in the same clip
   bool steady = true;
+  bool slow_step = false;  // a start or an end that is a slow step of a walk (see Segment)
 };
 
 /// Steps of one kind and style, indices into the list of steps.
@@ -40,6 +41,17 @@ struct StepClass {
 
 /// Finds the steps of every clip (key frames, then decomposition), clip after clip, in time order.
 std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action);
+
+/// Decides which slow first and last steps become starts and ends, style by style and side by side.
+///
+/// Starts out of standing and slow first steps are not alike, and one primitive is not learned from both: where a style has
+/// `fewest` of the former, or fewer than that of the latter, its slow steps go back to the walking steps, as ones that are not steady.
+/// @return notes on those that were too few.
+std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips, const std::string& action, int fewest,
+                                         std::vector<TrainingStep>* steps);
+
+/// What a step is called as a walking step: a slow first step is one too, other steps keep their name.
+std::string WalkingNameOf(const TrainingStep& step, const std::string& action);
 
 /// Groups steps by style and primitive, sorted by name.
 std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps);

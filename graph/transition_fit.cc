@@ -208,7 +208,9 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
       Eigen::MatrixXd::Identity(linear.rows(), linear.rows()) - explained.covariance, 1.0, options.smallest_noise);
   if (options.keep_marginal) residuals = Recoloured(residuals, wanted, options.smallest_noise).colwise() - explained.mean;
   model.residuals = residuals.cast<float>();
-  const Eigen::LLT<Eigen::MatrixXd> llt(wanted);
+  // Where the residuals are kept as captured, so is their density.
+  const Eigen::LLT<Eigen::MatrixXd> llt(options.keep_marginal ? wanted
+                                                              : SymmetricPower(ShrunkMoments(residuals), 1.0, options.smallest_noise));
   if (llt.info() != Eigen::Success) throw std::runtime_error("FitTransition: noise covariance is not positive definite");
   model.noise_cholesky = llt.matrixL();
   return model;

@@ -18,6 +18,7 @@ constexpr double kSwing = 0.12;  // m; a foot that travels less has not stepped
 constexpr double kLeastStance = 0.85;
 constexpr double kLeastSwing = 0.2;
 constexpr double kMostLift = 0.25;  // m; walks lift the ball of the foot by 0.18 m at most, kicks and climbing more
+constexpr int kFewestOfClip = 4;    // segments, to tell a slow first or last step by
 constexpr int kFrozenFrames = 3;
 constexpr double kFrozenSpeed = 0.3;  // m/s; of the pelvis, at the edge of frames that do not change at all
 
@@ -206,6 +207,7 @@ void MarkUnsteady(std::vector<Segment>* segments, const Measures& measures, cons
   }
   if (step_speeds.empty()) return;
   const double slow = options.slow_ratio * median(step_speeds);
+  const bool sound[2] = {segments->front().steady, segments->back().steady};
   for (int i = 0; i < count; ++i) {
     if (!IsStep((*segments)[i])) continue;
     const int previous = (*segments)[i].previous;
@@ -213,6 +215,23 @@ void MarkUnsteady(std::vector<Segment>* segments, const Measures& measures, cons
     const bool ends = i + 1 == count || (*segments)[i + 1].previous != i || !IsStep((*segments)[i + 1]);
     if (begins) MarkSlowRun(segments, speeds, i, 1, slow);
     if (ends) MarkSlowRun(segments, speeds, i, -1, slow);
+  }
+  // A clip of a few steps says little of what is usual, and a step that nothing follows starts nothing.
+  if (count < kFewestOfClip) return;
+  const auto slow_and_slower_than = [&](int i, int neighbour) {
+    return IsStep((*segments)[i]) && IsStep((*segments)[neighbour]) && speeds[i] < slow && speeds[i] < speeds[neighbour];
+  };
+  if (sound[0] && slow_and_slower_than(0, 1) && (*segments)[1].previous == 0) {
+    Segment& first = segments->front();
+    first.start = KeyframeLabel::kDoubleStance;
+    first.primitive = std::string(SideName(Side(first.end))) + "_first_start";
+    first.steady = first.slow_step = true;
+  }
+  if (sound[1] && slow_and_slower_than(count - 1, count - 2) && segments->back().previous == count - 2) {
+    Segment& last = segments->back();
+    last.primitive = std::string(SideName(Side(last.end))) + "_end";
+    last.end = KeyframeLabel::kDoubleStance;
+    last.steady = last.slow_step = true;
   }
 }
 

@@ -18,6 +18,7 @@ struct Segment {
   std::string primitive;  // class: "left_walk", "right_first_start", "left_end", …
   int previous = -1;      // index of the segment that ends where this one starts, in the list returned; -1 if none
   bool steady = true;     // a regular sample of its class; false while speed builds up or dies down, or implausible
+  bool slow_step = false;  // a start (an end) that is a slow first (last) step of the clip, not bounded by standing
 };
 
 struct DecompositionOptions {
@@ -35,11 +36,17 @@ struct DecompositionOptions {
 /// order. For walking there are six:
 ///  - left_walk, right_walk: from the landing of the other foot to the landing of this one;
 ///  - left_first_start, right_first_start: from standing (or a double stance) to the first landing, of this foot;
+///    Where the clip is cut just after its walker set off, its slow first step is the start: from a landing, at which both feet
+///    stand (so its first key frame counts as a double stance), to the next one. `slow_step` tells it from a start out of standing;
 ///  - left_end, right_end: from the landing of the other foot to standing, where this foot makes the last step. When
 ///    that step closes the feet it needs no key frame of its own; when it has one, it is passed over.
+///    A slow last step is an end in the same way.
 /// Neighbouring segments share their cut. Pieces between two landings of the same foot (a landing was missed), of
 /// standing only, of impossible duration, or without a margin in the clip are left out. A start may use standing frames
 /// as its margin, an end likewise; both are part of the clip.
+///
+/// A slow first (last) step is slower than `slow_ratio` of the clip's median step, slower than its neighbour in the clip, and a sound step
+/// in every other respect.
 ///
 /// Kept but not steady: the step next to a start or a stop; steps in a row from there, or from the ends of the clip,
 /// that are slow against the clip's median step; steps of odd duration, sideways, backwards, with a flight (walking only)

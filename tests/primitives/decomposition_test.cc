@@ -59,6 +59,35 @@ TEST(Decomposition, StepsNextToAStartAndAStopAreNotSteady) {
   EXPECT_FALSE(segments[5].steady);
 }
 
+TEST(Decomposition, ASlowFirstStepOfAClipThatBeginsInTheWalkIsAStart) {
+  SyntheticGaitOptions options = Walk();
+  options.steps = 10;
+  SyntheticGaitTruth truth;
+  const MotionClip whole = GenerateGait(options, &truth);
+  EXPECT_FALSE(Cut(whole)[0].slow_step) << "out of standing";
+  // Cut a little before the first landing: the step that comes then still gathers speed.
+  const int cut = static_cast<int>((truth.strikes[0].time_s - 0.2) * whole.frame_rate_hz());
+  const std::vector<Segment> segments = Cut(whole.Slice(cut, whole.frame_count() - cut));
+  ASSERT_GE(segments.size(), 6u);
+  EXPECT_EQ(segments[0].primitive, "right_first_start");
+  EXPECT_TRUE(segments[0].slow_step && segments[0].steady);
+  EXPECT_EQ(segments[0].start, KeyframeLabel::kDoubleStance);
+  EXPECT_EQ(segments[0].end, KeyframeLabel::kRightStance);
+  EXPECT_EQ(segments[1].primitive, "left_walk");
+  EXPECT_EQ(segments[1].previous, 0) << "it leads into the walk";
+  EXPECT_EQ(std::count_if(segments.begin(), segments.end(), [](const Segment& s) { return s.slow_step; }), 1);
+}
+
+TEST(Decomposition, AStepAtFullSpeedStartsNothing) {
+  SyntheticGaitOptions options = Walk();
+  options.steps = 12;
+  options.start_standing = options.stop_standing = false;
+  for (const Segment& segment : Cut(GenerateGait(options))) {
+    EXPECT_FALSE(segment.slow_step);
+    EXPECT_TRUE(segment.primitive.ends_with("_walk")) << segment.primitive;
+  }
+}
+
 TEST(Decomposition, SegmentsKeepTheirMarginInTheClip) {
   SyntheticGaitOptions options = Walk();
   options.start_standing = options.stop_standing = false;
@@ -129,6 +158,7 @@ TEST(Decomposition, RefusesKeyframesOutOfOrderOrOutside) {
 struct Recording {
   const char* path;
   int least_steady, most_steady;  // walking steps
+  int slow_starts = 0, starts = 0, ends = 0, slow_ends = 0;  // slow first and last steps; out of standing, back to it
 };
 
 class Recordings : public ::testing::TestWithParam<Recording> {};
@@ -142,13 +172,26 @@ TEST_P(Recordings, HoldTheStepsThatTheyShow) {
   });
   EXPECT_GE(steady, GetParam().least_steady);
   EXPECT_LE(steady, GetParam().most_steady);
+  const auto count = [&](const std::string& kind, bool slow) {
+    return std::count_if(segments.begin(), segments.end(), [&](const Segment& segment) {
+      return segment.steady && segment.slow_step == slow && segment.primitive.ends_with(kind);
+    });
+  };
+  EXPECT_EQ(count("_first_start", true), GetParam().slow_starts);
+  EXPECT_EQ(count("_end", true), GetParam().slow_ends);
+  EXPECT_EQ(count("_first_start", false), GetParam().starts);
+  EXPECT_EQ(count("_end", false), GetParam().ends);
 }
 
 INSTANTIATE_TEST_SUITE_P(Shared, Recordings,
                          ::testing::Values(Recording{"cmu/07/07_01.bvh", 3, 4},
                                            Recording{"cmu/06/06_07.bvh", 0, 0},  // backwards
                                            Recording{"cmu/09/09_01.bvh", 0, 0},  // a run
-                                           Recording{"bnr/dataset-2/walk/dataset-2_walk_normal_002.bvh", 12, 15}));
+                                           Recording{"cmu/06/06_02.bvh", 3, 5, 0, 1, 0},
+                                           Recording{"real_imu/neura_s02/S02-Trial-Walk-1_xsens.bvh", 6, 9, 0, 2, 2},
+                                           Recording{"bnr/dataset-2/walk/dataset-2_walk_normal_002.bvh", 12, 15},
+                                           Recording{"bnr/dataset-2/walk/dataset-2_walk_active_021.bvh", 10, 13, 1},
+                                           Recording{"bnr/dataset-2/walk/dataset-2_walk_elderly_001.bvh", 18, 24, 0, 0, 0, 1}));
 
 }  // namespace
 }  // namespace morphograph
