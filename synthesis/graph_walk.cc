@@ -6,6 +6,7 @@
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
 
+#include "graph/walk_boundary.h"
 #include "primitives/whitening.h"
 
 namespace morphograph {
@@ -84,9 +85,12 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
   step.edge = edge;
   const MotionPrimitive& model = graph.primitive(step.primitive);
   step.component = std::max(0, DrawIndex(RowOf(transition.component_chances, previous.component), rng));
-  const Eigen::VectorXd mean = transition.Mean(previous.whitened);
+  Eigen::VectorXd source = previous.whitened;
+  if (previous.gathers_speed) KeepInsideCapture(graph.primitive(previous.primitive), &source);
+  const Eigen::VectorXd mean = transition.Mean(source);
+  step.gathers_speed = BeginsIn(graph.primitive(previous.primitive)) != WalkBoundary::kWalking;
   step.whitened = mean + DrawNoise(transition, step.component, rng);
-  KeepInsideCapture(model, &step.whitened);
+  if (!step.gathers_speed) KeepInsideCapture(model, &step.whitened);
   const MixtureComponent& component = model.mixture.Component(step.component);
   step.latent = Colour(component, step.whitened);
 

@@ -15,6 +15,7 @@ struct WalkStep {
   int component = 0;          // of the primitive's mixture
   Eigen::VectorXd whitened;   // latent, whitened by that component
   Eigen::VectorXd latent;
+  bool gathers_speed = false; // the step after a start: not a steady one, whatever its primitive
   double log_likelihood = 0;  // of this step given the one before
 };
 
@@ -22,6 +23,9 @@ struct WalkStep {
 WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng);
 
 /// Draws the step that follows over an edge: transition and prior together (METHODS section 3, see TransitionModel).
+///
+/// A step stays within what its primitive has seen. Not so the step after a start: that one is learned from captured second steps, which
+/// still gather speed and lie far outside of the steady ones; it stays near those that its transition has seen.
 WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng);
 
 /// Index drawn with chances proportional to `weights`; -1 when none is positive.

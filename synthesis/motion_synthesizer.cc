@@ -10,6 +10,7 @@
 #include "synthesis/graph_walk.h"
 #include "synthesis/step_joiner.h"
 #include "synthesis/step_track.h"
+#include "synthesis/walk_sampler.h"
 
 namespace morphograph {
 namespace {
@@ -18,91 +19,63 @@ constexpr double kDefaultDuration_s = 5;
 constexpr double kLongest_s = 600;
 constexpr int kMostSteps = 1000;
 constexpr double kHighestFrameRate_hz = 240;
-// Steps drawn and thrown away before the clip begins, so that its first step is as much a product of the transitions as any other.
-constexpr int kBurnInSteps = 3;
 
-bool IsWalking(KeyframeLabel label) { return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance; }
+// Names of boundaries, or of styles, for people.
+template <typename Values, typename NameOf>
+std::string Listed(const Values& values, NameOf name_of) {
+  std::string names;
+  for (const auto& value : values) names += (names.empty() ? "" : ", ") + std::string(name_of(value));
+  return names.empty() ? "none" : names;
+}
 
-bool IsSteady(const MotionPrimitive& primitive) { return IsWalking(primitive.start) && IsWalking(primitive.end); }
+bool Holds(const std::vector<WalkBoundary>& boundaries, WalkBoundary wanted) {
+  return std::find(boundaries.begin(), boundaries.end(), wanted) != boundaries.end();
+}
+
+// Refuses a start or an end that the chosen style (any, where none was chosen) has not learned.
+void CheckBoundaries(const std::vector<StyleBoundaries>& styles, const SynthesisRequest& request) {
+  const auto check = [&](const char* pointer, const char* verb, WalkBoundary wanted, auto member) {
+    if (wanted == WalkBoundary::kWalking) return;
+    std::vector<std::string> able;
+    const StyleBoundaries* chosen = styles.size() == 1 ? &styles[0] : nullptr;
+    for (const StyleBoundaries& style : styles) {
+      if (request.style == style.style) chosen = &style;
+      if (Holds(style.*member, wanted)) able.push_back(style.style);
+    }
+    if (chosen ? Holds(chosen->*member, wanted) : !able.empty()) return;
+    const std::string name(WalkBoundaryName(wanted));
+    std::string detail = "no walk of " + (chosen && styles.size() > 1 ? "style '" + chosen->style + "'" : "this model") + " can " +
+                         verb + " \"" + name + "\"";
+    if (chosen) detail += "; it can " + std::string(verb) + ": " + Listed(chosen->*member, WalkBoundaryName);
+    if (styles.size() > 1) detail += "; styles that can " + std::string(verb) + " \"" + name + "\": " +
+                                     Listed(able, [](const std::string& style) { return style; });
+    throw UnsatisfiableRequest(pointer, detail);
+  };
+  check("/start/from", "start from", request.start_from, &StyleBoundaries::starts);
+  check("/end", "end in", request.end, &StyleBoundaries::ends);
+}
 
 int DrawStyle(const MotionGraph& graph, const SynthesisRequest& request, std::mt19937_64& rng) {
   const auto& styles = graph.styles();
-  if (request.style) {
-    for (size_t s = 0; s < styles.size(); ++s) {
-      if (styles[s].name == *request.style) return static_cast<int>(s);
-    }
-    std::string known;
-    for (const std::string& name : graph.style_names()) known += (known.empty() ? "" : ", ") + name;
+  const auto named = std::find_if(styles.begin(), styles.end(), [&](const GraphStyle& s) { return s.name == request.style; });
+  if (request.style && named == styles.end()) {
     throw UnsatisfiableRequest("/style", "the model has no style '" + *request.style + "'; it has " +
-                                             (known.empty() ? "none" : known));
+                                             Listed(graph.style_names(), [](const std::string& style) { return style; }));
   }
+  const bool walking = request.start_from == WalkBoundary::kWalking && request.end == WalkBoundary::kWalking;
+  const std::vector<StyleBoundaries> boundaries = walking ? std::vector<StyleBoundaries>() : FindBoundaries(graph);
+  if (!walking) CheckBoundaries(boundaries, request);
+  if (request.style) return static_cast<int>(named - styles.begin());
   std::vector<double> weights(styles.size(), 0);
   for (int p = 0; p < graph.primitive_count(); ++p) {
-    weights[graph.primitive(p).style_index] += graph.primitive(p).initial_weight;
+    if (IsSteady(graph.primitive(p))) weights[graph.primitive(p).style_index] += graph.primitive(p).initial_weight;
   }
-  return std::max(0, DrawIndex(weights, rng));
-}
-
-// An edge that keeps walking, by probability; -1 where the walk has to end.
-int DrawWalkingEdge(const MotionGraph& graph, int primitive, std::mt19937_64& rng) {
-  const std::vector<int>& edges = graph.out_edges(primitive);
-  std::vector<double> weights;
-  for (const int edge : edges) {
-    const int target = graph.edge_to(edge);
-    const bool goes_on = IsSteady(graph.primitive(target)) && !graph.is_dead_end(target);
-    weights.push_back(goes_on ? graph.transition(edge).probability : 0);
+  for (size_t b = 0; b < boundaries.size(); ++b) {
+    if (!Holds(boundaries[b].starts, request.start_from) || !Holds(boundaries[b].ends, request.end)) weights[b] = 0;
   }
   const int drawn = DrawIndex(weights, rng);
-  return drawn < 0 ? -1 : edges[drawn];
-}
-
-WalkStep DrawSteadyStep(const MotionGraph& graph, int style, std::mt19937_64& rng) {
-  std::vector<double> weights;
-  for (int p = 0; p < graph.primitive_count(); ++p) {
-    const MotionPrimitive& primitive = graph.primitive(p);
-    const bool fits = primitive.style_index == style && IsSteady(primitive) && !graph.is_dead_end(p);
-    weights.push_back(fits ? primitive.initial_weight : 0);
-  }
-  const int drawn = DrawIndex(weights, rng);
-  if (drawn < 0) {
-    throw UnsatisfiableRequest("/style", "the model has no steady steps of style '" + graph.styles()[style].name + "'");
-  }
-  WalkStep step = DrawFirstStep(graph, drawn, rng);
-  for (int i = 0; i < kBurnInSteps; ++i) {
-    const int edge = DrawWalkingEdge(graph, step.primitive, rng);
-    if (edge < 0) break;
-    step = DrawNextStep(graph, step, edge, rng);
-  }
-  return step;
-}
-
-struct DrawnStep {
-  WalkStep step;
-  StepShape shape;
-  double start = 0;  // frames
-  double end = 0;
-};
-
-// Draws steps until `steps` of them are there, or `frames` are filled with a cross-fade to spare.
-std::vector<DrawnStep> DrawWalk(const MotionGraph& graph, int style, std::optional<int> steps, double frames, double rate_hz,
-                                std::mt19937_64& rng) {
-  std::vector<DrawnStep> walk;
-  WalkStep step = DrawSteadyStep(graph, style, rng);
-  double time = 0;
-  while (true) {
-    StepShape shape = graph.primitive(step.primitive).Shape(step.latent);
-    const double length = shape.duration_s * rate_hz;
-    walk.push_back({step, std::move(shape), time, time + length});
-    time += length;
-    const bool enough = steps ? static_cast<int>(walk.size()) >= *steps : time > frames + CrossFadeHalfWidth(1e9, 1e9, rate_hz);
-    if (enough) return walk;
-    const int edge = DrawWalkingEdge(graph, step.primitive, rng);
-    if (edge < 0) {
-      throw UnsatisfiableRequest(steps ? "/steps" : "/duration", "the model cannot walk on after '" +
-                                                                     graph.primitive(step.primitive).name + "'");
-    }
-    step = DrawNextStep(graph, step, edge, rng);
-  }
+  if (drawn < 0 && !walking) throw UnsatisfiableRequest("/end", "no style of this model can both start and end as asked");
+  return std::max(0, drawn);
 }
 
 std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames, double rate_hz) {
@@ -114,9 +87,10 @@ std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnS
     };
     // One frame more than the cross-fade: increments look to the next frame.
     const double before = k > 0 ? fade(k - 1, k) + 1 : 0;
-    const double after = k + 1 < walk.size() ? fade(k, k + 1) + 2 : 1;
-    const int first = std::max(0, static_cast<int>(std::floor(walk[k].start - before)));
-    const int last = std::min(frames, static_cast<int>(std::ceil(walk[k].end + after)));
+    const double after = k + 1 < walk.size() ? fade(k, k + 1) + 2 : 0;
+    const int first = k > 0 ? std::max(0, static_cast<int>(std::floor(walk[k].start - before))) : 0;
+    // The last step, where it ends the walk, is followed by its margin.
+    const int last = k + 1 < walk.size() ? std::min(frames, static_cast<int>(std::ceil(walk[k].end + after))) : frames;
     tracks.push_back(LayOutStep(graph.primitive(walk[k].step.primitive), walk[k].shape, walk[k].start, rate_hz, first,
                                 std::max(first, last)));
   }
@@ -126,9 +100,10 @@ std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnS
 std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames) {
   std::vector<StepReport> steps;
   for (const DrawnStep& drawn : walk) {
-    const int from = static_cast<int>(std::ceil(drawn.start));
+    // The margins in which a walk starts and ends belong to its first and its last step.
+    const int from = steps.empty() ? 0 : static_cast<int>(std::ceil(drawn.start));
     if (from >= frames) break;
-    const int to = std::min(frames - 1, static_cast<int>(std::ceil(drawn.end)) - 1);
+    const int to = &drawn == &walk.back() ? frames - 1 : std::min(frames - 1, static_cast<int>(std::ceil(drawn.end)) - 1);
     steps.push_back({graph.primitive(drawn.step.primitive).name, from, std::max(from, to), drawn.step.log_likelihood});
   }
   return steps;
@@ -160,10 +135,14 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
   std::mt19937_64 rng(request.seed);
   const double rate_hz = request.frame_rate_hz.value_or(graph.frame_rate_hz());
   const int style = DrawStyle(graph, request, rng);
-  const double duration_s = request.duration_s.value_or(kDefaultDuration_s);
-  int frames = static_cast<int>(std::floor(duration_s * rate_hz + 1e-9)) + 1;
-  const std::vector<DrawnStep> walk = DrawWalk(graph, style, request.steps, frames, rate_hz, rng);
-  if (request.steps) frames = static_cast<int>(std::floor(walk.back().end)) + 1;
+  const auto [walk, frames] = DrawWalk(graph,
+                                       {.style = style,
+                                        .from = request.start_from,
+                                        .to = request.end,
+                                        .steps = request.steps,
+                                        .duration_s = request.duration_s.value_or(kDefaultDuration_s),
+                                        .frame_rate_hz = rate_hz},
+                                       rng);
 
   JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start);
   LockFeet(graph.styles()[style].feet, joined.contacts, {}, &joined.clip);

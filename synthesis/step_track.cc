@@ -19,6 +19,10 @@ double CrossFadeHalfWidth(double frames_before, double frames_after, double fram
   return std::min(kCrossFade_s * frame_rate_hz, kLargestCrossFade * std::min(frames_before, frames_after));
 }
 
+double MarginBefore(const StepShape& shape) { return -TimeWarp::FromLogSlopes(shape.log_slopes)(-kPhaseMargin); }
+
+double MarginAfter(const StepShape& shape) { return TimeWarp::FromLogSlopes(shape.log_slopes)(1 + kPhaseMargin) - 1; }
+
 StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
                      int first_frame, int last_frame) {
   static const UniformCubicSpline spline(kPhaseSamples);

@@ -22,6 +22,10 @@ struct StepTrack {
 /// their margins would not reach.
 double CrossFadeHalfWidth(double frames_before, double frames_after, double frame_rate_hz);
 
+/// Margins of a step as parts of its duration: a quarter of the canonical timeline at the speed that the warp has at that end.
+double MarginBefore(const StepShape& shape);
+double MarginAfter(const StepShape& shape);
+
 /// Lays out a step that starts at time `start` at the clip's frames [first_frame, last_frame].
 /// Frames beyond the step's margins repeat the margin's last pose.
 StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,

@@ -8,6 +8,7 @@
 
 #include "datasets/contact_detector.h"
 #include "datasets/motion_clip.h"
+#include "graph/walk_boundary.h"
 
 namespace morphograph {
 
@@ -17,13 +18,16 @@ struct StartPose {
   double heading_rad = 0;
 };
 
-/// What to synthesise. Either `duration_s` or `steps`; neither means 5 s.
+/// What to synthesise. Either `duration_s` or `steps`; neither means 5 s. A clip that does not end inside the walk has as many steps
+/// as bring it nearest to its duration.
 struct SynthesisRequest {
   std::uint64_t seed = 0;
   std::optional<std::string> style;   // any of the graph's styles; drawn by the seed when empty
   std::optional<double> duration_s;   // (0, 600]
   std::optional<int> steps;           // [1, 1000]
   StartPose start;
+  WalkBoundary start_from = WalkBoundary::kWalking;  // what the clip begins out of
+  WalkBoundary end = WalkBoundary::kWalking;         // what it ends in
   std::optional<double> frame_rate_hz;  // (0, 240]; the model's own when empty
 
   /// What is wrong with the numbers, if anything: the field's name and the reason.
