@@ -148,6 +148,14 @@ void ReadSteps(ObjectReader* reader, Findings* findings, ClipRequest* request) {
   }
 }
 
+// "walking", "slow_step" or "standing".
+WalkBoundary ReadBoundary(std::string_view name, ObjectReader* reader, Findings* findings) {
+  const auto text = reader->Text(name);
+  const auto boundary = text ? ParseWalkBoundary(*text) : WalkBoundary::kWalking;
+  if (!boundary) findings->Malformed(reader->At(name), "must be \"walking\", \"slow_step\" or \"standing\"");
+  return boundary.value_or(WalkBoundary::kWalking);
+}
+
 void ReadStart(const json& object, Findings* findings, ClipRequest* request) {
   ObjectReader reader(object, "/start", findings);
   if (const json* position = reader.Take("position")) {
@@ -158,6 +166,7 @@ void ReadStart(const json& object, Findings* findings, ClipRequest* request) {
     }
   }
   if (const auto heading = reader.Finite("heading")) request->start_heading_deg = *heading;
+  request->start_from = ReadBoundary("from", &reader, findings);
   reader.RefuseOthers(/*top_level=*/false);
 }
 
@@ -256,6 +265,7 @@ ClipRequest ParseClipRequest(std::string_view text, const ClipRequestRules& rule
   request.duration_s = reader.Finite("duration");
   ReadSteps(&reader, &findings, &request);
   if (const json* start = reader.Object("start")) ReadStart(*start, &findings, &request);
+  request.end = ReadBoundary("end", &reader, &findings);
   if (const json* output = reader.Object("output")) ReadOutput(*output, &findings, &request);
   reader.RefuseOthers(/*top_level=*/true);
   Check(request, rules, &findings);
@@ -279,6 +289,8 @@ std::string CanonicalJson(const ClipRequest& request) {
   const double* position_m = request.start_position_m;
   if (position_m[0] != 0 || position_m[1] != 0) out["start"]["position"] = {position_m[0], position_m[1]};
   if (request.start_heading_deg != 0) out["start"]["heading"] = request.start_heading_deg;
+  if (request.start_from != WalkBoundary::kWalking) out["start"]["from"] = WalkBoundaryName(request.start_from);
+  if (request.end != WalkBoundary::kWalking) out["end"] = WalkBoundaryName(request.end);
   if (request.output.frame_rate_hz) out["output"]["frame_rate"] = *request.output.frame_rate_hz;
   if (request.output.channels == OutputChannels::kSource) out["output"]["channels"] = "source";
   if (request.output.unit != OutputUnit::kSource)
@@ -295,6 +307,8 @@ SynthesisRequest ToSynthesisRequest(const ClipRequest& request) {
   out.steps = request.steps;
   out.start.position_m = {request.start_position_m[0], request.start_position_m[1]};
   out.start.heading_rad = request.start_heading_deg * std::numbers::pi / 180.0;
+  out.start_from = request.start_from;
+  out.end = request.end;
   out.frame_rate_hz = request.output.frame_rate_hz;
   return out;
 }

@@ -28,6 +28,8 @@ struct ClipRequest {
   std::optional<int> steps;
   double start_position_m[2] = {0, 0};  // x, z
   double start_heading_deg = 0;
+  WalkBoundary start_from = WalkBoundary::kWalking;
+  WalkBoundary end = WalkBoundary::kWalking;
   OutputFormat output;
 };
 

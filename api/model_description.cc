@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <map>
+#include <optional>
 
 namespace morphograph {
 namespace {
@@ -32,6 +33,25 @@ ordered_json PrimitiveJson(const PrimitiveSummary& primitive) {
         {{"part", contact.part}, {"from_phase", contact.from_phase}, {"to_phase", contact.to_phase}});
   }
   return json;
+}
+
+ordered_json NamesJson(const std::vector<WalkBoundary>& boundaries) {
+  ordered_json names = ordered_json::array();
+  for (const WalkBoundary boundary : boundaries) names.push_back(WalkBoundaryName(boundary));
+  return names;
+}
+
+std::string Names(const std::vector<WalkBoundary>& boundaries) {
+  std::string names;
+  for (const WalkBoundary boundary : boundaries) names += (names.empty() ? "" : ", ") + std::string(WalkBoundaryName(boundary));
+  return names;
+}
+
+// How a start begins or an end ends, by its outer key frame; nothing for a step inside the walk.
+std::optional<WalkBoundary> OuterBoundary(const PrimitiveSummary& primitive) {
+  const WalkBoundary start = BoundaryOf(primitive.start), end = BoundaryOf(primitive.end);
+  if (start == WalkBoundary::kWalking && end == WalkBoundary::kWalking) return std::nullopt;
+  return start != WalkBoundary::kWalking ? start : end;
 }
 
 ordered_json EdgeJson(const EdgeSummary& edge) {
@@ -88,7 +108,26 @@ ordered_json ModelJson(const GraphSummary& summary, const std::string& name) {
                        {"licence", summary.licence},
                        {"attribution", summary.attribution},
                        {"command", summary.command},
+                       {"boundaries", ordered_json::array()},
                        {"notes", summary.notes}};
+  for (const StyleBoundaries& style : summary.boundaries) {
+    json["boundaries"].push_back(
+        {{"style", style.style}, {"start_from", NamesJson(style.starts)}, {"end", NamesJson(style.ends)}});
+  }
+  return json;
+}
+
+ordered_json StartsAndEndsJson(const GraphSummary& summary) {
+  ordered_json json = ordered_json::array();
+  for (const PrimitiveSummary& primitive : summary.primitives) {
+    const auto boundary = OuterBoundary(primitive);
+    if (!boundary) continue;
+    json.push_back({{"style", primitive.style},
+                    {"primitive", primitive.name},
+                    {"learned_from", WalkBoundaryName(*boundary)},
+                    {"examples", primitive.examples},
+                    {"made_examples", primitive.made_examples}});
+  }
   return json;
 }
 
@@ -136,6 +175,17 @@ std::string GraphText(const GraphSummary& summary) {
   for (const auto& [label, value] : {std::pair{"source", &summary.source}, std::pair{"licence", &summary.licence},
                                      std::pair{"attribution", &summary.attribution}, std::pair{"command", &summary.command}})
     if (!value->empty()) text += std::string(label) + ": " + *value + "\n";
+
+  for (const StyleBoundaries& style : summary.boundaries)
+    text += (style.style.empty() ? "walks" : style.style) + " can start from: " + Names(style.starts) +
+            "; can end in: " + Names(style.ends) + "\n";
+  for (const PrimitiveSummary& primitive : summary.primitives) {
+    const auto boundary = OuterBoundary(primitive);
+    if (!boundary) continue;
+    text += FullName(primitive) + " was learned from " + std::string(WalkBoundaryName(*boundary)) + ": " +
+            std::to_string(primitive.examples - primitive.made_examples) + " captured and " +
+            std::to_string(primitive.made_examples) + " made examples\n";
+  }
 
   std::size_t widest = 9;
   for (const PrimitiveSummary& primitive : summary.primitives) widest = std::max(widest, FullName(primitive).size());

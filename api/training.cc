@@ -86,6 +86,7 @@ std::string TrainingReportJson(const TrainingOutcome& outcome) {
                                  {"read_seconds", outcome.read_s},
                                  {"learn_seconds", outcome.learn_s},
                                  {"notes", outcome.notes},
+                                 {"starts_and_ends", StartsAndEndsJson(summary)},
                                  {"model", GraphJson(summary, summary.name)}};
   return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }

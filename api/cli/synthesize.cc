@@ -27,7 +27,7 @@ struct SynthesizeFlags {
   std::optional<double> duration_s, frame_rate_hz, heading_deg;
   std::vector<double> position_m;
   std::optional<int> steps;
-  std::optional<std::string> style, channels, unit;
+  std::optional<std::string> style, channels, unit, start_from, end;
   std::optional<int> count;
 };
 
@@ -64,6 +64,8 @@ ClipRequest RequestFrom(const SynthesizeFlags& flags) {
   if (flags.heading_deg) request.start_heading_deg = *flags.heading_deg;
   for (std::size_t axis = 0; axis < flags.position_m.size(); ++axis)
     request.start_position_m[axis] = flags.position_m[axis];
+  if (flags.start_from) request.start_from = ParseWalkBoundary(*flags.start_from).value();
+  if (flags.end) request.end = ParseWalkBoundary(*flags.end).value();
   if (flags.frame_rate_hz) request.output.frame_rate_hz = flags.frame_rate_hz;
   if (flags.channels) request.output.channels = *flags.channels == "source" ? OutputChannels::kSource : OutputChannels::kPortable;
   if (flags.unit) {
@@ -134,6 +136,9 @@ void AddSynthesize(CLI::App* program, Work* work) {
   verb->add_option("--style", flags->style, "One of the model's styles");
   verb->add_option("--start", flags->position_m, "Start on the floor: X Z, metres")->expected(2);
   verb->add_option("--heading", flags->heading_deg, "Start heading, degrees; 0 faces +Z, 90 faces +X");
+  const CLI::IsMember boundary({"walking", "slow_step", "standing"});
+  verb->add_option("--start-from", flags->start_from, "What the clip begins out of: walking, slow_step or standing")->check(boundary);
+  verb->add_option("--end", flags->end, "What it ends in: walking, slow_step or standing")->check(boundary);
   verb->add_option("--frame-rate", flags->frame_rate_hz, "Frames per second; the model's own when absent");
   verb->add_option("--channels", flags->channels, "portable or source")->check(CLI::IsMember({"portable", "source"}));
   verb->add_option("--unit", flags->unit, "m, cm or source")->check(CLI::IsMember({"m", "cm", "source"}));

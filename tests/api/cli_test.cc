@@ -226,6 +226,12 @@ TEST_F(CliTest, TrainsAModelAndReportsIt) {
   EXPECT_THAT(second.err, HasSubstr("reading clips"));          // plain lines where there is no terminal
   EXPECT_THAT(second.err, ::testing::Not(HasSubstr("\033")));
   const json report = json::parse(ReadFile(Path("report/training.json")));
+  // Starts and ends of both styles, all of synthetic walks: made, out of standing.
+  EXPECT_GE(report["starts_and_ends"].size(), 6u);
+  for (const json& entry : report["starts_and_ends"]) {
+    EXPECT_EQ(entry["learned_from"], "standing") << entry;
+    EXPECT_GE(entry["examples"], 2) << entry;
+  }
   EXPECT_EQ(report["clips"], 12);
   EXPECT_GE(report["model"]["primitives"].size(), 4u);
   // Neither threads nor the file's name are in the model.

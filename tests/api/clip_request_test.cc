@@ -51,6 +51,22 @@ TEST(ClipRequest, ReadsEveryField) {
   EXPECT_EQ(synthesis.frame_rate_hz, 60.0);
 }
 
+TEST(ClipRequest, ReadsWhatAClipBeginsOutOfAndEndsIn) {
+  const ClipRequest plain = ParseClipRequest(R"({"model":"walk"})");
+  EXPECT_EQ(plain.start_from, WalkBoundary::kWalking);
+  EXPECT_EQ(plain.end, WalkBoundary::kWalking);
+  const ClipRequest request = ParseClipRequest(R"({"model":"walk","start":{"from":"standing"},"end":"slow_step"})");
+  EXPECT_EQ(ToSynthesisRequest(request).start_from, WalkBoundary::kStanding);
+  EXPECT_EQ(ToSynthesisRequest(request).end, WalkBoundary::kSlowStep);
+  EXPECT_EQ(CanonicalJson(request), R"({"model":"walk","start":{"from":"standing"},"end":"slow_step"})");
+  // What is asked by default has the name (and so the address) that it always had.
+  EXPECT_EQ(CanonicalJson(ParseClipRequest(R"({"model":"walk","start":{"from":"walking"},"end":"walking"})")), R"({"model":"walk"})");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"from":"sitting"}})"), "400 /start/from");
+  EXPECT_EQ(Verdict(R"({"model":"walk","start":{"from":true}})"), "400 /start/from");
+  EXPECT_EQ(Verdict(R"({"model":"walk","end":{"heading":0}})"), "400 /end");
+  EXPECT_EQ(Verdict(R"({"model":"walk","end":"Standing"})"), "400 /end");
+}
+
 TEST(ClipRequest, TakesEverySeedOf64BitsWithoutLoss) {
   for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{9007199254740993},  // 2^53 + 1: no double holds it
                                    std::uint64_t{9223372036854775808u}, ~std::uint64_t{0}}) {

@@ -208,6 +208,40 @@ TEST_F(RoutesTest, WhatCannotBeMetIs422AndNamesWhatCould) {
   EXPECT_THAT(length.body, HasSubstr("600"));
 }
 
+TEST_F(RoutesTest, AClipStartsAndStopsWhereTheModelCan) {
+  const RawResponse whole =
+      Post(R"({"model":"walk","seed":3,"duration":6,"style":"slow","start":{"from":"standing"},"end":"standing"})",
+           "Accept: application/json\r\n");
+  ASSERT_EQ(whole.status, 200) << whole.body;
+  const json report = json::parse(whole.body)["report"];
+  EXPECT_THAT(report["steps"].front()["primitive"].get<std::string>(), ::testing::EndsWith("_first_start"));
+  EXPECT_THAT(report["steps"].back()["primitive"].get<std::string>(), ::testing::EndsWith("_end"));
+  EXPECT_NEAR(report["duration"].get<double>(), 6, 0.8);
+  for (const json& boundaries : json::parse(Get("/v1/models/walk").body)["boundaries"]) {
+    EXPECT_EQ(boundaries["start_from"], json({"walking", "standing"})) << boundaries["style"];
+    EXPECT_EQ(boundaries["end"], json({"walking", "standing"})) << boundaries["style"];
+  }
+  const RawResponse slow = Post(R"({"model":"walk","start":{"from":"slow_step"}})");
+  ExpectProblem(slow, 422);
+  EXPECT_EQ(Pointer(slow), "/start/from");
+  EXPECT_THAT(slow.body, HasSubstr("styles that can"));
+  const RawResponse end = Post(R"({"model":"walk","style":"brisk","end":"slow_step"})");
+  ExpectProblem(end, 422);
+  EXPECT_EQ(Pointer(end), "/end");
+  EXPECT_THAT(end.body, HasSubstr("it can end in: walking, standing"));
+  const RawResponse few = Post(R"({"model":"walk","steps":1,"start":{"from":"standing"},"end":"standing"})");
+  ExpectProblem(few, 422);
+  EXPECT_EQ(Pointer(few), "/steps");
+  EXPECT_THAT(few.body, HasSubstr("the nearest has 3"));
+}
+
+TEST_F(RoutesTest, StartAndEndInsideTheWalkAreTheDefault) {
+  const RawResponse plain = Post(R"({"model":"walk","seed":7,"steps":6})");
+  const RawResponse told = Post(R"({"model":"walk","seed":7,"steps":6,"start":{"from":"walking"},"end":"walking"})");
+  EXPECT_EQ(plain.body, told.body);
+  EXPECT_EQ(plain.headers.at("location"), told.headers.at("location"));
+}
+
 TEST_F(RoutesTest, LargeBodiesAreRefused) {
   ExpectProblem(Post("{\"model\":\"" + std::string(kMaxClipRequestBytes, 'x') + "\"}"), 413);
 }

@@ -274,6 +274,27 @@ async function run(page, url) {
     assert.ok(posts.at(-1).includes(`"style":${JSON.stringify(styles.at(-1))}`));
   });
 
+  await check('a start and a stop are offered where the model has learned them, and asked for', async () => {
+    const known = await page.evaluate(async () => (await (await fetch('v1/models')).json()).models[0].boundaries);
+    const able = known.some(({ start_from, end }) => start_from.includes('standing') && end.includes('standing'));
+    assert.equal(await page.isVisible('#boundaries'), known.some(({ start_from, end }) => start_from.length > 1 || end.length > 1));
+    if (!able) return;
+    const shown = (first, last) => page.waitForFunction(([f, l]) => {
+      const { steps } = window.morphograph.state.report;
+      return f === /first_start$/.test(steps[0].primitive) && l === /_end$/.test(steps.at(-1).primitive);
+    }, [first, last]);
+    await page.selectOption('#start-from', 'standing');
+    await page.selectOption('#end', 'standing');
+    await shown(true, true);
+    assert.match(posts.at(-1), /"start":\{"from":"standing"\}/);
+    assert.match(posts.at(-1), /"end":"standing"/);
+    assert.match(page.url(), /from=standing&end=standing/);
+    await page.selectOption('#start-from', 'walking');
+    await page.selectOption('#end', 'walking');
+    await shown(false, false);
+    assert.doesNotMatch(posts.at(-1), /"start"|"end"/);
+  });
+
   await check('what the server refuses is said plainly, and the clip stays', async () => {
     const before = (await state()).frames;
     await page.selectOption('#length-unit', 'duration');

@@ -22,7 +22,19 @@ export interface Report {
   quality: Quality;
 }
 
-export interface ModelEntry { name: string; action?: string; hash?: string; styles: string[]; attribution?: string; licence?: string }
+/** What a clip begins out of, or ends in: "walking", "slow_step" or "standing". */
+export type Boundary = string;
+export interface StyleBoundaries { style: string; start_from: Boundary[]; end: Boundary[] }
+
+export interface ModelEntry {
+  name: string;
+  action?: string;
+  hash?: string;
+  styles: string[];
+  boundaries?: StyleBoundaries[];
+  attribution?: string;
+  licence?: string;
+}
 
 export interface Primitive {
   name: string;
@@ -47,7 +59,8 @@ export interface ClipRequest {
   style?: string;
   duration?: number;
   steps?: number;
-  start?: { heading: number };
+  start?: { heading?: number; from?: Boundary };
+  end?: Boundary;
   output: { unit: 'm' | 'cm' | 'source'; frame_rate?: number };
 }
 

@@ -1,8 +1,16 @@
 // The form that says what to synthesise. Its state also stands in the page's address, so that a clip can be linked to.
-import type { ApiError, ClipRequest, ModelEntry } from './api_client';
-import { byId, html } from './dom';
+import type { ApiError, Boundary, ClipRequest, ModelEntry } from './api_client';
+import { byId, html, spoken } from './dom';
 
 const SEED_LIMIT = 2n ** 64n;
+const WALKING = 'walking';
+
+/** Whether a boundary other than the usual one was chosen. */
+const asked = (select: HTMLSelectElement): boolean => select.value !== '' && select.value !== WALKING;
+
+function choose(select: HTMLSelectElement, value: string | null): void {
+  if (value && [...select.options].some((option) => option.value === value)) select.value = value;
+}
 
 export class RequestForm {
   private readonly form = byId<HTMLFormElement>('request');
@@ -11,6 +19,9 @@ export class RequestForm {
   private readonly seed = byId<HTMLInputElement>('seed');
   private readonly length = byId<HTMLInputElement>('length');
   private readonly lengthUnit = byId<HTMLSelectElement>('length-unit');
+  private readonly boundaries = byId('boundaries');
+  private readonly startFrom = byId<HTMLSelectElement>('start-from');
+  private readonly end = byId<HTMLSelectElement>('end');
   private readonly heading = byId<HTMLInputElement>('heading');
   private readonly rate = byId<HTMLInputElement>('rate');
   private models: ModelEntry[] = [];
@@ -26,6 +37,7 @@ export class RequestForm {
         this.offerStyles();
         this.onModel(this.model.value);
       }
+      if (event.target === this.style) this.offerBoundaries();
       if (event.target === this.lengthUnit) this.length.value = this.lengthUnit.value === 'steps' ? '12' : '8';
       this.ask();
     });
@@ -46,6 +58,9 @@ export class RequestForm {
     this.offerStyles();
     const style = wanted.get('style');
     if (style && [...this.style.options].some(({ value }) => value === style)) this.style.value = style;
+    this.offerBoundaries();
+    choose(this.startFrom, wanted.get('from'));
+    choose(this.end, wanted.get('end'));
     this.onModel(this.model.value);
     this.onRequest();
   }
@@ -68,6 +83,8 @@ export class RequestForm {
     if (this.style.value) request.style = this.style.value;
     request[this.lengthUnit.value === 'steps' ? 'steps' : 'duration'] = length;
     if (this.heading.value) request.start = { heading: this.heading.valueAsNumber };
+    if (asked(this.startFrom)) request.start = { ...request.start, from: this.startFrom.value };
+    if (asked(this.end)) request.end = this.end.value;
     if (this.rate.value) request.output.frame_rate = this.rate.valueAsNumber;
     return request;
   }
@@ -76,7 +93,7 @@ export class RequestForm {
   markErrors(error: ApiError): void {
     const fields: Record<string, HTMLElement> = {
       '/model': this.model, '/style': this.style, '/seed': this.seed, '/duration': this.length, '/steps': this.length,
-      '/start/heading': this.heading, '/output/frame_rate': this.rate,
+      '/start/heading': this.heading, '/start/from': this.startFrom, '/end': this.end, '/output/frame_rate': this.rate,
     };
     for (const { pointer, detail } of error.errors) {
       const field = fields[pointer];
@@ -90,6 +107,8 @@ export class RequestForm {
     query.set('seed', this.seed.value);
     if (this.style.value) query.set('style', this.style.value);
     query.set(this.lengthUnit.value, this.length.value);
+    if (asked(this.startFrom)) query.set('from', this.startFrom.value);
+    if (asked(this.end)) query.set('end', this.end.value);
     if (this.heading.value) query.set('heading', this.heading.value);
     if (this.rate.value) query.set('rate', this.rate.value);
     history.replaceState(null, '', `?${query}`);
@@ -106,6 +125,23 @@ export class RequestForm {
       ...styles.filter((style) => style !== '').map((style) => html('option', { value: style }, style)));
     this.style.disabled = styles.length === 0;
     if (styles.includes(before)) this.style.value = before;
+    this.offerBoundaries();
+  }
+
+  /** Offers what the chosen style (any style, where none is chosen) has learned; nothing to choose, nothing shown. */
+  private offerBoundaries(): void {
+    const all = this.models.find(({ name }) => name === this.model.value)?.boundaries ?? [];
+    const own = all.filter(({ style }) => !this.style.value || style === this.style.value);
+    const offer = (select: HTMLSelectElement, known: Boundary[]) => {
+      const before = select.value;
+      const offered = [...new Set([WALKING, ...known])];
+      select.replaceChildren(...offered.map((boundary) => html('option', { value: boundary }, spoken(boundary))));
+      select.disabled = offered.length < 2;
+      choose(select, before);
+    };
+    offer(this.startFrom, own.flatMap(({ start_from }) => start_from));
+    offer(this.end, own.flatMap(({ end }) => end));
+    this.boundaries.hidden = this.startFrom.disabled && this.end.disabled;
   }
 
   private readAddress(): void {

@@ -1,0 +1,42 @@
+// What the embedded model promises: walks that turn, start and stop.
+#include "api/default_model.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "datasets/forward_kinematics.h"
+#include "synthesis/motion_synthesizer.h"
+
+namespace morphograph {
+namespace {
+
+TEST(DefaultModel, StartsAtRestAndEndsAtRest) {
+  const std::shared_ptr<const MotionGraph> graph = LoadDefaultModel();
+  if (!graph) GTEST_SKIP() << "built without a default model";
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    SynthesisRequest request;
+    request.seed = seed;
+    request.duration_s = 6;
+    request.start_from = request.end = WalkBoundary::kStanding;
+    const SynthesisResult result = Synthesize(*graph, request);
+    const Eigen::Matrix3Xd& root = result.clip.root_positions();
+    const auto speed = [&](Eigen::Index f) {
+      const Eigen::Vector3d step = root.col(f + 1) - root.col(f);
+      return std::hypot(step.x(), step.z()) * result.clip.frame_rate_hz();
+    };
+    for (int f = 0; f < 2; ++f) {
+      EXPECT_LT(speed(f), 0.15) << seed;
+      EXPECT_LT(speed(root.cols() - 2 - f), 0.15) << seed;
+    }
+    EXPECT_THAT(result.report.steps.front().primitive, ::testing::EndsWith("_first_start"));
+    EXPECT_THAT(result.report.steps.back().primitive, ::testing::EndsWith("_end"));
+    EXPECT_NEAR(result.report.duration_s, 6, 0.4) << seed;
+    // A person walked in between.
+    EXPECT_GT((root.rightCols(1) - root.leftCols(1)).norm(), 3) << seed;
+  }
+}
+
+}  // namespace
+}  // namespace morphograph
