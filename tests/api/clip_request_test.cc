@@ -55,10 +55,10 @@ TEST(ClipRequest, ReadsWhatAClipBeginsOutOfAndEndsIn) {
   const ClipRequest plain = ParseClipRequest(R"({"model":"walk"})");
   EXPECT_EQ(plain.start_from, WalkBoundary::kWalking);
   EXPECT_EQ(plain.end, WalkBoundary::kWalking);
-  const ClipRequest request = ParseClipRequest(R"({"model":"walk","start":{"from":"standing"},"end":"slow_step"})");
+  const ClipRequest request = ParseClipRequest(R"({"model":"walk","seed":3,"start":{"from":"standing"},"end":"slow_step"})");
   EXPECT_EQ(ToSynthesisRequest(request).start_from, WalkBoundary::kStanding);
   EXPECT_EQ(ToSynthesisRequest(request).end, WalkBoundary::kSlowStep);
-  EXPECT_EQ(CanonicalJson(request), R"({"model":"walk","start":{"from":"standing"},"end":"slow_step"})");
+  EXPECT_EQ(CanonicalJson(request), R"({"model":"walk","seed":3,"start":{"from":"standing"},"end":"slow_step"})");
   // What is asked by default has the name (and so the address) that it always had.
   EXPECT_EQ(CanonicalJson(ParseClipRequest(R"({"model":"walk","start":{"from":"walking"},"end":"walking"})")), R"({"model":"walk"})");
   EXPECT_EQ(Verdict(R"({"model":"walk","start":{"from":"sitting"}})"), "400 /start/from");

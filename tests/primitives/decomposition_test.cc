@@ -188,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Shared, Recordings,
                                            Recording{"cmu/06/06_07.bvh", 0, 0},  // backwards
                                            Recording{"cmu/09/09_01.bvh", 0, 0},  // a run
                                            Recording{"cmu/06/06_02.bvh", 3, 5, 0, 1, 0},
-                                           Recording{"real_imu/neura_s02/S02-Trial-Walk-1_xsens.bvh", 6, 9, 0, 2, 2},
+                                           Recording{"real_imu/neura_s02/S02-Trial-Walk-1_xsens.bvh", 6, 9, 0, 1, 1},
                                            Recording{"bnr/dataset-2/walk/dataset-2_walk_normal_002.bvh", 12, 15},
                                            Recording{"bnr/dataset-2/walk/dataset-2_walk_active_021.bvh", 10, 13, 1},
                                            Recording{"bnr/dataset-2/walk/dataset-2_walk_elderly_001.bvh", 18, 24, 0, 0, 0, 1}));
