@@ -17,7 +17,6 @@ namespace {
 
 using nlohmann::json;
 
-constexpr double kMaxStartDistance_m = 10'000;  // past this, 6 decimals of a file no longer hold the pose well
 constexpr double kMaxHeading_deg = 1e6;
 
 // Fields of the contract that come with later releases.
@@ -215,6 +214,8 @@ void CheckExtent(const ClipRequest& request, Findings* findings) {
   if (request.output.frame_rate_hz) {
     if (!(*request.output.frame_rate_hz > 0)) {
       findings->Malformed("/output/frame_rate", "must be above 0 frames per second");
+    } else if (*request.output.frame_rate_hz < kMinFrameRate_hz) {
+      findings->Unmeetable("/output/frame_rate", "at least " + Number(kMinFrameRate_hz) + " frame per second");
     } else if (*request.output.frame_rate_hz > kMaxFrameRate_hz) {
       findings->Unmeetable("/output/frame_rate", "at most " + Number(kMaxFrameRate_hz) + " frames per second");
     }

@@ -33,10 +33,7 @@ struct ClipRequest {
   OutputFormat output;
 };
 
-/// Longest clip served, in seconds, in steps, and in frames at whatever rate was asked for.
-inline constexpr double kMaxDuration_s = 600;
-inline constexpr int kMaxSteps = 1000;
-inline constexpr double kMaxFrameRate_hz = 240;
+/// Longest clip served, in frames at whatever rate was asked for; other bounds are the synthesiser's (synthesis_types.h).
 inline constexpr int kMaxFrames = 40'000;
 
 struct ClipRequestRules {

@@ -3,6 +3,7 @@
 #include <cstdio>
 #include <new>
 
+#include "api/training.h"
 #include "datasets/errors.h"
 #include "synthesis/motion_synthesizer.h"
 
@@ -18,6 +19,10 @@ Problem ProblemFrom(std::exception_ptr error) {
     problem.status = 422;
     problem.detail = "the request cannot be met";
     problem.errors = {{unmet.pointer(), unmet.what()}};
+  } catch (const TrainingUsageError& unfit) {
+    problem.status = 400;
+    problem.detail = "the settings are malformed";
+    problem.errors = {{unfit.pointer(), unfit.what()}};
   } catch (const DatasetError& bad_data) {
     problem.status = 400;
     problem.detail = bad_data.what();

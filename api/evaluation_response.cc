@@ -6,6 +6,7 @@
 #include "api/problem.h"
 #include "datasets/bvh_reader.h"
 #include "datasets/clip_conversion.h"
+#include "datasets/error_reason.h"
 
 namespace morphograph {
 namespace {
@@ -28,15 +29,22 @@ ordered_json Curve(const std::vector<double>& values) {
 
 }  // namespace
 
-ordered_json EvaluationJson(const MotionClip& clip, const ClipEvaluation& evaluation) {
+ordered_json EvaluationJson(const MotionClip& clip, const ClipEvaluation& evaluation, int first_frame) {
+  std::vector<PlantedFoot> contacts = evaluation.contacts;
+  for (PlantedFoot& contact : contacts) {
+    contact.interval.first += first_frame;
+    contact.interval.last += first_frame;
+  }
   return {{"clip", clip.name},
+          {"first_frame", first_frame},
           {"frames", clip.frame_count()},
           {"frame_rate", clip.frame_rate_hz()},
           {"duration", clip.duration_s()},
           {"quality", QualityJson(evaluation.quality)},
-          {"contacts", ContactsJson(evaluation.contacts)},
+          {"contacts", ContactsJson(contacts)},
           {"curves",
-           {{"contact_distance", Curve(evaluation.contact_distance_m)},
+           {{"frame_rate", kEvaluationRateHz},
+            {"contact_distance", Curve(evaluation.contact_distance_m)},
             {"frame_difference", Curve(evaluation.frame_difference)}}}};
 }
 
@@ -44,6 +52,7 @@ ordered_json ComparisonJson(const SetComparison& comparison) {
   return {{"frechet", comparison.frechet},
           {"frechet_halves", comparison.frechet_halves},
           {"frechet_ratio", comparison.frechet_ratio},
+          {"residual_ratio", comparison.residual_ratio},
           {"diversity", comparison.diversity},
           {"diversity_reference", comparison.diversity_reference},
           {"windows", comparison.windows},
@@ -56,7 +65,8 @@ ordered_json EvaluateBvh(std::string_view bvh, const std::string& name) {
   BvhLimits limits;
   limits.max_values = 40'000'000;
   limits.max_joint_frames = kMaxJointFrames;
-  MotionClip clip = ImportClip(ParseBvh(bvh, name, limits));
+  ClipImportReport import;
+  MotionClip clip = ImportClip(ParseBvh(bvh, name, limits), {}, &import);
   clip.name = name;
   const double longest_s = kMaxJointFrames / kEvaluationRateHz / clip.joint_count();
   if (clip.duration_s() > longest_s) {
@@ -65,9 +75,9 @@ ordered_json EvaluateBvh(std::string_view bvh, const std::string& name) {
                                 std::to_string(clip.joint_count()) + " joints are taken");
   }
   try {
-    return EvaluationJson(clip, EvaluateClip(clip));
+    return EvaluationJson(clip, EvaluateClip(clip), import.dropped_frames);
   } catch (const std::invalid_argument& unfit) {  // no leg roles, fewer than two frames
-    throw ProblemError(422, "the clip cannot be evaluated: " + std::string(unfit.what()));
+    throw ProblemError(422, "the clip cannot be evaluated: " + ReasonOf(unfit));
   }
 }
 

@@ -6,6 +6,7 @@
 
 #include "api/cli/command.h"
 #include "api/problem.h"
+#include "api/training.h"
 #include "synthesis/motion_synthesizer.h"
 
 namespace {
@@ -46,6 +47,8 @@ int main(int argc, char** argv) {
     return 0;
   } catch (const UsageError& error) {
     return Fail(2, error.what());
+  } catch (const TrainingUsageError& error) {
+    return Fail(2, "train: --" + error.pointer().substr(1) + ": " + error.what());
   } catch (const ProblemError& error) {
     return Fail(1, ProblemLine(error.problem()));
   } catch (const UnsatisfiableRequest& error) {

@@ -77,10 +77,25 @@ std::string_view MethodLabel(std::string_view method) {
   return "other";
 }
 
+// The host in an Origin, "http://[::1]:8080" or "https://name"; empty for "null".
+std::string_view HostOf(std::string_view origin) {
+  const std::size_t scheme = origin.find("://");
+  if (scheme == std::string_view::npos) return {};
+  origin.remove_prefix(scheme + 3);
+  const std::size_t end = origin.starts_with('[') ? origin.find(']') + 1 : origin.find(':');
+  return origin.substr(0, end);
+}
+
 // A page of another site may not change anything here behind its reader's back. (Browsers say where a request comes
 // from; other programs do not.)
-void RefuseCrossSite(const internal::HttpHead& head) {
+void RefuseCrossSite(const internal::HttpHead& head, const std::vector<std::string>& page_hosts) {
   if (head.method == "GET" || head.method == "HEAD") return;
+  if (const std::string_view origin = head.Value("Origin"); !origin.empty() && !page_hosts.empty()) {
+    const std::string_view host = HostOf(origin);
+    const bool known = std::any_of(page_hosts.begin(), page_hosts.end(),
+                                   [&](const std::string& name) { return EqualsIgnoringCase(host, name); });
+    if (!known) throw ProblemError(403, "requests from pages of other hosts are not taken; see serve --page-host");
+  }
   if (EqualsIgnoringCase(head.Value("Sec-Fetch-Site"), "cross-site"))
     throw ProblemError(403, "requests from pages of other sites are not taken");
 }
@@ -339,6 +354,10 @@ int Server::State::Bind() {
 
 void Server::State::Run() {
   is_accepting_thread = true;
+  if (options_.ready) {
+    *options_.ready = true;
+    if (stopping_) *options_.ready = false;  // told to before, or just now
+  }
   while (!stopping_) {
     // The library gives up at the first failed accept, be it that the client had gone already. It is given a
     // descriptor of its own, and another one after that.
@@ -360,6 +379,7 @@ void Server::State::Run() {
 
 void Server::State::RequestStop() {
   stopping_ = true;
+  if (options_.ready) *options_.ready = false;
   // Wakes the accepting thread; clients that come now are told that nobody listens.
   if (const int listener = listener_; listener >= 0) ::shutdown(listener, SHUT_RDWR);
 }
@@ -477,7 +497,7 @@ void Server::State::CheckRequest(Exchange* exchange) {
                                 : "the body has " + std::to_string(head.body_bytes) + " bytes; at most " +
                                       std::to_string(route->max_body) + " are taken here");
   }
-  RefuseCrossSite(head);
+  RefuseCrossSite(head, options_.page_hosts);
   if (head.body_bytes > kSmallBody && !exchange->budget.Take(head.body_bytes, options_.max_body_bytes)) {
     ++metrics_->refused;
     throw ProblemError(Busy("too many large bodies are on their way; try again"));

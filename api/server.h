@@ -1,9 +1,11 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 #include "api/metrics.h"
 #include "api/router.h"
@@ -12,8 +14,12 @@ namespace morphograph {
 
 /// Bounds of a server; whatever a client does, memory and time stay inside them.
 struct ServerOptions {
+  std::atomic<bool>* ready = nullptr;  // if given, true from Run() on, false from the moment that the server is told to stop
   std::string host = "127.0.0.1";
   int port = 8080;  // 0: any free one
+  // Hosts whose pages may change something here, as browsers name them in Origin; empty: any. A page can make its own host name lead
+  // to this machine's loopback, and is no stranger to the browser then.
+  std::vector<std::string> page_hosts;
   int threads = 0;  // requests carried out at a time; 0: one a core
   int max_connections = 256;                       // beyond: 503
   int max_queued = 64;                             // requests waiting for their turn; beyond: 503

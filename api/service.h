@@ -15,7 +15,7 @@ struct Service {
   ModelRegistry models;
   ClipStore clips;
   Metrics metrics;
-  std::atomic<bool> ready{false};       // models are loaded and the server is not stopping
+  std::atomic<bool> ready{false};       // requests are accepted: the server runs and is not stopping
   TrainingService* training = nullptr;  // where models can be trained over HTTP
 };
 

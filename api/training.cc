@@ -3,11 +3,14 @@
 #include <chrono>
 #include <nlohmann/json.hpp>
 
+#include "api/keyframe_examples.h"
 #include "api/model_description.h"
 #include "datasets/augmentation.h"
 #include "datasets/errors.h"
 #include "datasets/manifest.h"
 #include "graph/graph_builder.h"
+#include "primitives/keyframe_detector.h"
+#include "primitives/keyframe_labels.h"
 
 namespace morphograph {
 namespace {
@@ -28,14 +31,39 @@ bool IsModelName(std::string_view name) {
   return true;
 }
 
+TrainingSubject CheckTraining(const std::string& name, const std::optional<std::string>& action, const DatasetManifest& manifest,
+                              bool has_labels) {
+  // What the caller asked for is wrong usage; what the manifest says is bad data.
+  const auto fail = [&](bool asked, const char* pointer, const std::string& detail) {
+    if (asked) throw TrainingUsageError(pointer, detail);
+    throw DatasetError(manifest.file.empty() ? "training" : manifest.file, std::string(pointer) + ": " + detail);
+  };
+  TrainingSubject subject;
+  subject.action = action.value_or(manifest.action);
+  subject.name = !name.empty() ? name : !manifest.name.empty() ? manifest.name : subject.action;
+  if (!has_labels && !HasKeyframeFeatures(subject.action)) {
+    fail(action.has_value(), "/action",
+         "'" + subject.action + "' has no key frames by feature (walk and run have); labelled examples make it possible, see the "
+         "manifest's \"keyframes\"");
+  }
+  if (!IsModelName(subject.action)) {
+    fail(action.has_value(), "/action", "'" + subject.action + "' cannot name an action");
+  }
+  if (!IsModelName(subject.name)) fail(!name.empty(), "/name", "'" + subject.name + "' cannot name a model");
+  return subject;
+}
+
 TrainingOutcome Train(const TrainingRequest& request) {
   DatasetManifest manifest;
   if (request.manifest) manifest = ReadManifest(*request.manifest);
+  if (request.keyframe_labels) manifest.keyframe_examples = *request.keyframe_labels;
   TrainingOptions options;
-  options.action = request.action.value_or(manifest.action);
-  options.name = !request.name.empty() ? request.name : !manifest.name.empty() ? manifest.name : options.action;
-  if (!IsModelName(options.name))
-    throw DatasetError(request.manifest ? request.manifest->string() : "training", "'" + options.name + "' cannot name a model");
+  const bool has_labels = !manifest.keyframe_examples.empty();
+  const TrainingSubject subject = CheckTraining(request.name, request.action, manifest, has_labels);
+  options.name = subject.name;
+  options.action = subject.action;
+  LabelledClips labels;
+  if (has_labels) labels = ReadKeyframeLabels(manifest.keyframe_examples);
   options.jobs = request.jobs;
   options.source = manifest.source;
   options.licence = manifest.licence;
@@ -58,11 +86,16 @@ TrainingOutcome Train(const TrainingRequest& request) {
   outcome.notes = dataset.notes;
   for (const SkippedClip& skipped : dataset.skipped)
     outcome.notes.push_back(skipped.file.filename().string() + " left out: " + skipped.reason);
+  MatchedLabels matched;
+  const std::string labels_file = manifest.keyframe_examples.string();
+  if (has_labels) matched = MatchLabels(labels, dataset.clips, labels_file);
+  outcome.notes.insert(outcome.notes.end(), matched.notes.begin(), matched.notes.end());
   std::vector<MotionClip> read;
   for (LoadedClip& loaded : dataset.clips) {
     if (!loaded.note.empty()) outcome.notes.push_back(loaded.clip.name + ": " + loaded.note);
     read.push_back(std::move(loaded.clip));
   }
+  if (has_labels) options.find_keyframes = LearnKeyframes(read, matched.frames, labels_file);
   std::vector<TrainingClip> clips;
   int source = -1;
   for (AugmentedClip& augmented : Augment(read, AugmentationOf(manifest), request.jobs)) {

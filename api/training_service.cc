@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdint>
 #include <ctime>
 #include <iostream>
+#include <optional>
 #include <random>
 #include <system_error>
 
@@ -11,8 +13,10 @@
 #include "api/training.h"
 #include "datasets/atomic_file.h"
 #include "datasets/errors.h"
+#include "datasets/manifest.h"
 #include "graph/graph_builder.h"
 #include "graph/model_io.h"
+#include "primitives/keyframe_labels.h"
 
 namespace morphograph {
 namespace {
@@ -20,6 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr int kMaxWaiting = 16;
+constexpr std::uintmax_t kMaxWaitingBytes = std::uintmax_t{1} << 30;  // of uploads on disk, before another is taken
 constexpr int kKeptJobs = 1000;
 constexpr std::size_t kMaxDetail = 2000;
 
@@ -69,6 +74,66 @@ void MakeFolder(const fs::path& path) {
   if (error) throw std::runtime_error("cannot use " + path.string() + ": " + error.message());
 }
 
+// What of an upload can be judged at once, so that the client hears of it now. Files are what the upload itself holds: a manifest may
+// name no others.
+void CheckUpload(const TrainingUpload& upload) {
+  if (upload.clips.empty()) throw ProblemError(400, "there is no BVH file among the parts; send each with a file name");
+  if (!upload.name.empty() && !IsModelName(upload.name)) {
+    Problem problem{400, "the settings are malformed", {}, {}, {}};
+    problem.errors = {{"/name", "must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"}};
+    throw ProblemError(std::move(problem));
+  }
+  DatasetManifest manifest;
+  if (!upload.manifest.empty()) manifest = ParseManifest(upload.manifest, "manifest");
+  if (!upload.keyframes.empty()) ParseKeyframeLabels(upload.keyframes, "keyframes");
+  if (!manifest.keyframe_examples.empty()) {
+    const std::string file = manifest.keyframe_examples.string();
+    if (file.find_first_of("/\\") != std::string::npos || file.find("..") != std::string::npos)
+      throw DatasetError("manifest", "/keyframes: a path leads out of the upload; name a file, and send it as part 'keyframes'");
+    if (upload.keyframes.empty())
+      throw DatasetError("manifest", "/keyframes: names a file that is not there; send it as part 'keyframes'");
+  }
+  CheckTraining(upload.name, upload.action.empty() ? std::nullopt : std::optional(upload.action), manifest,
+                !upload.keyframes.empty());
+}
+
+std::uintmax_t BytesIn(const fs::path& folder) {
+  std::uintmax_t bytes = 0;
+  std::error_code error;
+  for (fs::recursive_directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+    std::error_code ignored;  // it may go while we look
+    const std::uintmax_t size = entry->is_regular_file(ignored) ? entry->file_size(ignored) : 0;
+    if (!ignored) bytes += size;
+  }
+  return bytes;
+}
+
+void WriteUpload(const TrainingUpload& upload, const fs::path& folder) {
+  int number = 0;
+  for (const auto& [name, text] : upload.clips) {
+    // A folder each: the stem is what styles, manifests and labels go by, and two files may have the same.
+    char place[16];
+    std::snprintf(place, sizeof place, "%05d", number++);
+    MakeFolder(folder / "clips" / place);
+    WriteFileAtomically(folder / "clips" / place / (SafeStem(name) + ".bvh"), text);
+  }
+  if (!upload.manifest.empty()) WriteFileAtomically(folder / "manifest.json", upload.manifest);
+  if (!upload.keyframes.empty()) WriteFileAtomically(folder / "keyframes.json", upload.keyframes);
+}
+
+// Folders are the server's own; the client sees the name of the file.
+std::string WithoutFolders(std::string text, const fs::path& uploads) {
+  const std::string clips = (uploads / "clips").string() + "/", others = uploads.string() + "/";
+  for (std::size_t at; (at = text.find(clips)) != std::string::npos;) {
+    std::size_t end = at + clips.size();
+    const std::size_t number = text.find_first_not_of("0123456789", end);
+    if (number != std::string::npos && number > end && text[number] == '/') end = number + 1;
+    text.erase(at, end - at);
+  }
+  for (std::size_t at; (at = text.find(others)) != std::string::npos;) text.erase(at, others.size());
+  return text;
+}
+
 }  // namespace
 
 TrainingService::TrainingService(Service* service, fs::path folder, const std::string& database_url, int threads)
@@ -98,6 +163,10 @@ void TrainingService::LoadModels() {
     if (entry.path().extension() == ".mgm") files.push_back(entry.path());
   std::sort(files.begin(), files.end());
   for (const fs::path& file : files) {
+    if (!IsModelName(file.stem().string())) {
+      std::cerr << "morphograph: " << file.string() << ": not served, its name cannot name a model\n";
+      continue;
+    }
     try {
       if (!service_->models.Add(file.stem().string(), LoadModel(file)))
         std::cerr << "morphograph: " << file.string() << ": not served, another model has its name\n";
@@ -123,15 +192,7 @@ void TrainingService::CountJobs() {
 }
 
 Job TrainingService::Submit(const TrainingUpload& upload) {
-  if (upload.clips.empty()) throw ProblemError(400, "there is no BVH file among the parts; send each with a file name");
-  if (!upload.name.empty() && !IsModelName(upload.name)) {
-    Problem problem{400, "the settings are malformed", {}, {}, {}};
-    problem.errors = {{"/name", "must be 1 to 64 letters, digits, '.', '_' or '-', the first a letter or digit"}};
-    throw ProblemError(std::move(problem));
-  }
-  if (store_.Count(JobState::kQueued) >= kMaxWaiting)
-    throw ProblemError(Problem{429, "too many training jobs are waiting", {}, 60, {}});
-
+  CheckUpload(upload);
   Job job;
   job.id = NewId();
   job.model = upload.name.empty() ? "model-" + job.id.substr(0, 8) : upload.name;
@@ -139,27 +200,30 @@ Job TrainingService::Submit(const TrainingUpload& upload) {
   job.files = static_cast<int>(upload.clips.size());
   job.created = Now();
 
-  const std::lock_guard lock(mutex_);  // two uploads cannot take one name
-  if (service_->models.Find(job.model) || store_.IsModelAwaited(job.model))
-    throw ProblemError(409, "a model named " + job.model + " is served or being trained");
+  {
+    const std::lock_guard lock(mutex_);  // two uploads cannot take one name
+    if (store_.Count(JobState::kQueued) + static_cast<int>(arriving_.size()) >= kMaxWaiting ||
+        BytesIn(folder_ / "uploads") > kMaxWaitingBytes)
+      throw ProblemError(Problem{429, "too many training jobs are waiting", {}, 60, {}});
+    if (service_->models.Find(job.model) || store_.IsModelAwaited(job.model) || !arriving_.insert(job.model).second)
+      throw ProblemError(409, "a model named " + job.model + " is served or being trained");
+  }
+  // Hundreds of megabytes may have to be written: nobody waits for that.
   const fs::path uploads = folder_ / "uploads" / job.id;
   try {
-    MakeFolder(uploads / "clips");
-    int number = 0;
-    for (const auto& [name, text] : upload.clips) {
-      char prefix[16];
-      std::snprintf(prefix, sizeof prefix, "%05d_", number++);
-      WriteFileAtomically(uploads / "clips" / (prefix + SafeStem(name) + ".bvh"), text);
-    }
-    if (!upload.manifest.empty()) WriteFileAtomically(uploads / "manifest.json", upload.manifest);
+    WriteUpload(upload, uploads);
+    const std::lock_guard lock(mutex_);
     store_.Insert(job);
+    arriving_.erase(job.model);
+    CountJobs();
+    changed_ = true;
   } catch (...) {
     std::error_code ignored;
     fs::remove_all(uploads, ignored);
+    const std::lock_guard lock(mutex_);
+    arriving_.erase(job.model);
     throw;
   }
-  CountJobs();
-  changed_ = true;
   wake_.notify_all();
   return job;
 }
@@ -223,6 +287,7 @@ void TrainingService::Run(Job job) {
   TrainingRequest request;
   request.data = {uploads / "clips"};
   if (fs::exists(uploads / "manifest.json")) request.manifest = uploads / "manifest.json";
+  if (fs::exists(uploads / "keyframes.json")) request.keyframe_labels = uploads / "keyframes.json";
   request.name = job.model;
   if (!job.action.empty()) request.action = job.action;
   request.limits = UploadLimits();
@@ -252,10 +317,7 @@ void TrainingService::Run(Job job) {
     job.state = JobState::kCancelled;
   } catch (...) {
     job.state = JobState::kFailed;
-    // Names of files are the server's own; the client sees the part after the folder.
-    job.detail = ProblemLine(ProblemFrom(std::current_exception()));
-    const std::string folder = (uploads / "clips").string() + "/";
-    for (std::size_t at; (at = job.detail.find(folder)) != std::string::npos;) job.detail.erase(at, folder.size());
+    job.detail = WithoutFolders(ProblemLine(ProblemFrom(std::current_exception())), uploads);
     job.detail = Excerpt(job.detail, kMaxDetail);
   }
 

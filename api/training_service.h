@@ -4,6 +4,7 @@
 #include <condition_variable>
 #include <filesystem>
 #include <mutex>
+#include <set>
 #include <string>
 #include <string_view>
 #include <thread>
@@ -19,6 +20,7 @@ namespace morphograph {
 struct TrainingUpload {
   std::vector<std::pair<std::string, std::string_view>> clips;  // name as sent, BVH text
   std::string_view manifest;                                    // JSON, may be empty
+  std::string_view keyframes;                                   // labelled frames, JSON (keyframe_labels.h), may be empty
   std::string name;                                             // of the model; empty: made from the job's id
   std::string action;                                           // empty: the manifest's
 };
@@ -36,7 +38,8 @@ class TrainingService {
   ~TrainingService();
 
   /// Keeps the upload and queues it. @throws ProblemError: 400 for a bad name or no clips, 409 for a name that is
-  ///   taken, 429 when too many jobs wait.
+  ///   taken, 429 when too many jobs wait or their uploads fill the folder; DatasetError and TrainingUsageError for a manifest, labels or
+  ///   an action that cannot be used.
   Job Submit(const TrainingUpload& upload);
   /// @throws ProblemError 404.
   Job Get(const std::string& id) const;
@@ -59,6 +62,7 @@ class TrainingService {
   bool stopping_ = false;
   bool changed_ = true;  // a job was queued
   std::string running_;  // id, empty when idle
+  std::set<std::string> arriving_;  // names of models whose uploads are being written
   std::atomic<bool> cancelled_{false};
   std::thread worker_;
 };

@@ -2,9 +2,12 @@
 
 #include <boost/math/constants/constants.hpp>
 #include <cmath>
+#include <stdexcept>
 
 #include "datasets/bend.h"
 #include "datasets/contact_detector.h"
+#include "datasets/error_reason.h"
+#include "datasets/errors.h"
 #include "datasets/floor_leveling.h"
 #include "datasets/mirror.h"
 #include "datasets/parallel_for.h"
@@ -45,7 +48,13 @@ AugmentationOptions AugmentationOf(const DatasetManifest& manifest) {
 
 std::vector<AugmentedClip> Augment(const std::vector<MotionClip>& clips, const AugmentationOptions& options, int jobs) {
   std::vector<std::vector<AugmentedClip>> copies(clips.size());
-  ParallelFor(jobs, static_cast<int>(clips.size()), [&](int i) { copies[i] = CopiesOf(clips[i], options); });
+  ParallelFor(jobs, static_cast<int>(clips.size()), [&](int i) { 
+    try {
+      copies[i] = CopiesOf(clips[i], options);
+    } catch (const std::invalid_argument& unfit) {
+      throw DatasetError(clips[i].name, ReasonOf(unfit));
+    }
+  });
   std::vector<AugmentedClip> all;
   for (std::vector<AugmentedClip>& of_clip : copies) {
     for (AugmentedClip& copy : of_clip) all.push_back(std::move(copy));

@@ -26,6 +26,7 @@ struct AugmentedClip {
 ///
 /// Clips whose skeleton has no leg roles pass unchanged. A clip that stands or turns by itself is bent like any other. Done on up to
 /// `jobs` threads; the order and the result do not depend on them.
+/// @throws DatasetError naming a clip that cannot be copied.
 std::vector<AugmentedClip> Augment(const std::vector<MotionClip>& clips, const AugmentationOptions& options, int jobs = 1);
 
 }  // namespace morphograph

@@ -23,6 +23,7 @@ struct BvhDocument {
   double frame_time_s = 0;
   Eigen::MatrixXd values;  // (channels x frames)
   std::string source;      // file name, for messages
+  bool names_transcoded = false;  // some were no UTF-8 and have been read as Latin-1
 
   int channel_count() const { return static_cast<int>(values.rows()); }
   int frame_count() const { return static_cast<int>(values.cols()); }

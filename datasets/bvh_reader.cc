@@ -2,16 +2,15 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
-#include <cstring>
-#include <fstream>
 #include <system_error>
 #include <unordered_map>
 #include <unordered_set>
 
 #include "datasets/errors.h"
+#include "datasets/file_text.h"
+#include "datasets/text_encoding.h"
 
 namespace morphograph {
 namespace {
@@ -236,7 +235,9 @@ class Parser {
   void OpenJoint(int parent) {
     const size_t keyword = scan_.start();
     BvhDocument::Node node;
-    node.name = scan_.RestOfLine();
+    const std::string_view name = scan_.RestOfLine();
+    node.name = Utf8FromUnknown(name);
+    document_.names_transcoded |= node.name != name;
     if (node.name.empty()) scan_.Fail(keyword, "a joint without a name");
     node.parent = parent;
     if (static_cast<int>(document_.nodes.size()) >= limits_.max_joints) {
@@ -415,25 +416,7 @@ BvhDocument ParseBvh(std::string_view text, std::string source, const BvhLimits&
 }
 
 BvhDocument ReadBvhFile(const std::filesystem::path& path, const BvhLimits& limits) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw DatasetError(path.string(), "is a folder, not a BVH file");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw DatasetError(path.string(), std::string("cannot be opened: ") + std::strerror(errno ? errno : EIO));
-  }
-  std::string text;
-  file.seekg(0, std::ios::end);
-  if (const std::streamoff size = file.tellg(); size > 0) text.reserve(static_cast<size_t>(size));
-  file.clear();
-  file.seekg(0, std::ios::beg);
-  file.clear();  // a pipe cannot seek but reads
-  std::array<char, 1 << 16> block;
-  while (file.read(block.data(), block.size()) || file.gcount() > 0) {
-    text.append(block.data(), static_cast<size_t>(file.gcount()));
-  }
-  if (file.bad()) throw DatasetError(path.string(), "cannot be read");
-  return ParseBvh(text, path.string(), limits);
+  return ParseBvh(ReadFileText(path), path.string(), limits);
 }
 
 }  // namespace morphograph

@@ -12,6 +12,7 @@
 #include "datasets/forward_kinematics.h"
 #include "datasets/quantile.h"
 #include "datasets/rest_frames.h"
+#include "datasets/text_encoding.h"
 
 namespace morphograph {
 namespace {
@@ -261,6 +262,8 @@ MotionClip ImportClip(const BvhDocument& document, const ClipImportOptions& opti
   if (!options.metres_per_unit && !measures.unit_note.empty()) AddNote(&found.note, measures.unit_note);
   if (!options.up_axis && !measures.up_note.empty()) AddNote(&found.note, measures.up_note);
 
+  if (document.names_transcoded) AddNote(&found.note, "joint names are no UTF-8; read as Latin-1, written as UTF-8");
+
   constexpr double kRigid_m = 0.002;
   int strayed = 0;
   for (const double stray : strays) strayed += stray * found.metres_per_unit > kRigid_m;
@@ -283,7 +286,7 @@ MotionClip ImportClip(const BvhDocument& document, const ClipImportOptions& opti
     }
     clip.root_positions().col(f) = turn * source.root_positions().col(f) * found.metres_per_unit;
   }
-  clip.name = std::filesystem::path(document.source).stem().string();
+  clip.name = Utf8FromUnknown(std::filesystem::path(document.source).stem().string());
   if (report) *report = found;
   return clip;
 }

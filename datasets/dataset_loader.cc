@@ -10,6 +10,7 @@
 #include "datasets/bvh_reader.h"
 #include "datasets/errors.h"
 #include "datasets/parallel_for.h"
+#include "datasets/text_encoding.h"
 
 namespace morphograph {
 namespace {
@@ -21,6 +22,8 @@ struct FoundFile {
   fs::path file;
   fs::path relative;
 };
+
+std::string StemOf(const fs::path& file) { return Utf8FromUnknown(file.stem().string()); }
 
 bool IsBvhName(const fs::path& path) {
   std::string extension = path.extension().string();
@@ -93,11 +96,11 @@ std::vector<std::string> FindStyles(const std::vector<FoundFile>& files, const D
   std::vector<std::string> styles(files.size());
   if (!manifest.style_pattern.empty()) {
     const RE2 pattern(manifest.style_pattern, RE2::Quiet);
-    for (size_t i = 0; i < files.size(); ++i) styles[i] = StyleByPattern(pattern, files[i].file.stem().string());
+    for (size_t i = 0; i < files.size(); ++i) styles[i] = StyleByPattern(pattern, StemOf(files[i].file));
     return styles;
   }
   for (size_t i = 0; i < files.size(); ++i) {
-    const std::optional<std::string> word = WordBeforeNumber(files[i].file.stem().string());
+    const std::optional<std::string> word = WordBeforeNumber(StemOf(files[i].file));
     if (!word) return std::vector<std::string>(files.size());
     styles[i] = *word;
   }
@@ -129,6 +132,29 @@ LoadedClip LoadClip(const fs::path& file, const ClipSelection& selection, const 
   return loaded;
 }
 
+// All of them are named at once, so that a large set need not be tried again and again.
+void ThrowIfBroken(const std::vector<FoundFile>& files, const std::vector<std::optional<DatasetError>>& broken) {
+  constexpr int kMostNamed = 10;
+  const DatasetError* first = nullptr;
+  std::string others;
+  int count = 0;
+  for (size_t i = 0; i < files.size(); ++i) {
+    if (!broken[i]) continue;
+    if (++count == 1) {
+      first = &*broken[i];
+    } else if (count <= kMostNamed) {
+      others += (others.empty() ? "" : ", ") + files[i].file.filename().string();
+    }
+  }
+  if (!first) return;
+  if (count == 1) throw *first;
+  const std::string text = first->what();  // "file:line:column: reason"
+  const std::string reason = text.substr(text.find(": ", first->file().size()) + 2);
+  throw DatasetError(first->file(), first->line(), first->column(),
+                     reason + " (" + std::to_string(count) + " files are broken, also: " + others +
+                         (count > kMostNamed ? ", ..." : "") + ")");
+}
+
 }  // namespace
 
 std::vector<fs::path> FindBvhFiles(const std::vector<fs::path>& paths) {
@@ -143,7 +169,7 @@ Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& m
   std::vector<FoundFile> files;
   std::set<std::string> stems;
   for (FoundFile& found : FindFiles(paths)) {
-    const std::string stem = found.file.stem().string();
+    const std::string stem = StemOf(found.file);
     stems.insert(stem);
     const auto selection = manifest.clips.find(stem);
     if (!Includes(manifest, found.relative)) {
@@ -162,17 +188,24 @@ Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& m
   const std::vector<std::string> styles = FindStyles(files, manifest);
   dataset.clips.resize(files.size());
   std::atomic<std::int64_t> joint_frames = 0;
+  std::vector<std::optional<DatasetError>> broken(files.size());
   ParallelFor(jobs, static_cast<int>(files.size()), [&](int i) {
-    const auto found = manifest.clips.find(files[i].file.stem().string());
+    const auto found = manifest.clips.find(StemOf(files[i].file));
     const ClipSelection selection = found == manifest.clips.end() ? ClipSelection() : found->second;
-    dataset.clips[i] = LoadClip(files[i].file, selection, manifest.import, limits.file);
+    try {
+      dataset.clips[i] = LoadClip(files[i].file, selection, manifest.import, limits.file);
+    } catch (const DatasetError& error) {
+      broken[i] = error;
+      return;
+    }
+    dataset.clips[i].clip.style = selection.style.value_or(styles[i]);
     const MotionClip& clip = dataset.clips[i].clip;
     if ((joint_frames += std::int64_t{clip.joint_count()} * clip.frame_count()) > limits.max_joint_frames) {
       throw DatasetError(files[i].file.string(), "the set is too large: more than " +
                                                      std::to_string(limits.max_joint_frames) + " rotations with this clip");
     }
-    dataset.clips[i].clip.style = selection.style.value_or(styles[i]);
   });
+  ThrowIfBroken(files, broken);
   return dataset;
 }
 

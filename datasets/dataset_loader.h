@@ -47,7 +47,7 @@ std::vector<std::filesystem::path> FindBvhFiles(const std::vector<std::filesyste
 ///
 /// Styles come from the manifest. Without a `style` pattern there, and when every file stem of the set has the form
 /// `<anything>_<word>_<number>`, the word is the style ("dataset-2_walk_elderly_004"); else styles are empty.
-/// @throws DatasetError naming the file of the first clip that is broken, when nothing is left to use, or when the set is too large.
+/// @throws DatasetError with what is wrong with the first file that is broken, naming the others too, when nothing is left to use, or when the set is too large.
 Dataset LoadDataset(const std::vector<std::filesystem::path>& paths, const DatasetManifest& manifest = DatasetManifest(),
                     int jobs = 1, const DatasetLimits& limits = {});
 

@@ -4,16 +4,13 @@
 #include <re2/re2.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cmath>
-#include <cstring>
-#include <fstream>
-#include <iterator>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <set>
 
 #include "datasets/errors.h"
+#include "datasets/file_text.h"
 
 namespace morphograph {
 namespace {
@@ -121,6 +118,8 @@ json ParseJson(std::string_view text, const std::string& file) {
     return json::parse(text, check);
   } catch (const json::parse_error& error) {
     FailAtByte(text, error.byte > 0 ? error.byte - 1 : 0, file, "not valid JSON");
+  } catch (const json::exception&) {
+    throw DatasetError(file, "holds a number past the range of a double");
   }
 }
 
@@ -211,15 +210,7 @@ DatasetManifest ParseManifest(std::string_view text, const std::string& file) {
 }
 
 DatasetManifest ReadManifest(const std::filesystem::path& path) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path, ignored)) throw DatasetError(path.string(), "is a folder, not a manifest");
-  errno = 0;
-  std::ifstream file(path, std::ios::binary);
-  if (!file) {
-    throw DatasetError(path.string(), std::string("cannot be opened: ") + std::strerror(errno ? errno : EIO));
-  }
-  const std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  return ParseManifest(text, path.string());
+  return ParseManifest(ReadFileText(path), path.string());
 }
 
 bool Includes(const DatasetManifest& manifest, const std::filesystem::path& relative_path) {

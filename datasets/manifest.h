@@ -33,6 +33,7 @@ struct ClipSelection {
 ///   "keyframes": "walking"
 /// }
 /// ```
+/// `keyframes` is "walking", or a `.json` file of labelled frames beside the manifest.
 struct DatasetManifest {
   std::string name;
   std::string action = "walk";
@@ -44,8 +45,8 @@ struct DatasetManifest {
   std::map<std::string, ClipSelection> clips;  // by file stem
   bool mirror = false;                  // learn from left-right mirrored copies too
   bool bend = false;                    // learn from copies with a bent path too
-  std::string keyframes = "walking";    // name of a key-frame set, else empty
-  std::filesystem::path keyframe_examples;  // labelled examples; a file beside the manifest, else empty
+  std::string keyframes = "walking";    // by feature; empty where labelled examples say what key frames are
+  std::filesystem::path keyframe_examples;  // file of labels (keyframe_labels.h), relative to the manifest's folder; else empty
   std::string file;                     // the manifest's own name, for messages
 };
 

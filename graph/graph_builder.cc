@@ -1,10 +1,13 @@
 #include "graph/graph_builder.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <mutex>
 #include <set>
+#include <stdexcept>
 
+#include "datasets/error_reason.h"
 #include "datasets/errors.h"
 #include "datasets/parallel_for.h"
 #include "datasets/resample.h"
@@ -13,6 +16,7 @@
 #include "graph/primitive_fit.h"
 #include "graph/training_steps.h"
 #include "graph/transition_fit.h"
+#include "primitives/keyframe_detector.h"
 
 namespace morphograph {
 namespace {
@@ -21,6 +25,7 @@ namespace {
 constexpr double kWorkRate_hz = 60;
 // Frame rate at which clips come out unless asked otherwise: what 25 samples over a step and its margins can carry.
 constexpr double kModelRate_hz = 30;
+constexpr double kSlowestRate_hz = 10;  // below, a step has fewer than five frames
 constexpr int kFewestSteps = 4;   // of a steady kind, to be worth a primitive
 constexpr int kFewestStarts = 2;  // of a start or an end, of which captures hold few
 constexpr int kFewestPairs = 2;
@@ -76,9 +81,16 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
   ParallelFor(options.jobs, static_cast<int>(clips.size()), [&](int i) {
     MotionClip clip = clips[i].clip;
     if (clip.frame_count() < 2) {
-      problems[i] = clip.name + ": fewer than 2 frames";
+      problems[i] = clip.name + ": fewer than 2 frames; left out";
+    } else if (clip.frame_rate_hz() < kSlowestRate_hz) {
+      problems[i] = clip.name + ": recorded at " + std::to_string(std::lround(clip.frame_rate_hz())) +
+                    " frames a second, at least " + std::to_string(std::lround(kSlowestRate_hz)) + " are needed; left out";
     } else {
-      if (clip.shared_skeleton() != skeleton) clip = Retarget(clip, skeleton);
+      try {
+        if (clip.shared_skeleton() != skeleton) clip = Retarget(clip, skeleton);
+      } catch (const std::invalid_argument& unfit) {
+        throw DatasetError(clip.name, "cannot be put on the skeleton of " + clips.front().clip.name + ": " + ReasonOf(unfit));
+      }
       if (clip.frame_rate_hz() > kWorkRate_hz * 1.01) clip = Resample(clip, kWorkRate_hz);
       prepared[i].contacts = DetectContacts(clip, {.height_m = kPlantedHeight_m, .speed_m_s = kPlantedSpeed_m_s});
       prepared[i].clip = std::move(clip);
@@ -96,6 +108,10 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
     }
   }
   return usable;
+}
+
+std::string Named(const std::string& primitive, const std::string& style) {
+  return style.empty() ? primitive : primitive + " (" + style + ")";
 }
 
 // Classes with enough steady examples; what had to be left out is noted.
@@ -116,10 +132,10 @@ std::vector<StepClass> UsableClasses(const std::vector<PreparedClip>& clips, con
 }
 
 void NoteMissingPrimitives(const GraphContents& contents, std::vector<std::string>* notes) {
-  static const std::vector<std::string> kWalking = {"left_walk",  "right_walk",  "left_first_start", "right_first_start",
-                                                    "left_end", "right_end"};
+  const std::vector<std::string> wanted = {"left_" + contents.action, "right_" + contents.action, "left_first_start",
+                                           "right_first_start",       "left_end",                 "right_end"};
   for (const GraphStyle& style : contents.styles) {
-    for (const std::string& name : kWalking) {
+    for (const std::string& name : wanted) {
       const bool there = std::any_of(contents.primitives.begin(), contents.primitives.end(), [&](const MotionPrimitive& p) {
         return p.style == style.name && p.name == name;
       });
@@ -166,7 +182,8 @@ struct Membership {
 };
 
 std::vector<GraphEdge> FitEdges(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps, const std::vector<StepClass>& classes,
-                                const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options, Progress* progress) {
+                                const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options, Progress* progress,
+                                std::vector<std::string>* notes) {
   std::vector<Membership> place(steps.size());
   for (size_t c = 0; c < classes.size(); ++c) {
     for (size_t m = 0; m < classes[c].members.size(); ++m) {
@@ -192,7 +209,13 @@ std::vector<GraphEdge> FitEdges(const std::vector<PreparedClip>& clips, const st
   std::vector<const std::vector<Pair>*> columns;
   std::vector<double> leaving(classes.size(), 0);
   for (const auto& [ends, list] : pairs) {
-    if (static_cast<int>(list.size()) < kFewestPairs) continue;
+    if (static_cast<int>(list.size()) < kFewestPairs) {
+      const StepClass &from = classes[ends.first], &to = classes[ends.second];
+      notes->push_back(Named(from.primitive, from.style) + " to " + Named(to.primitive, to.style) + ": seen " +
+                       std::to_string(list.size()) + " time, at least " + std::to_string(kFewestPairs) +
+                       " are needed for a transition; left out");
+      continue;
+    }
     edges.push_back({ends.first, ends.second, {}});
     columns.push_back(&list);
     leaving[ends.first] += static_cast<double>(list.size());
@@ -224,11 +247,14 @@ std::vector<GraphEdge> FitEdges(const std::vector<PreparedClip>& clips, const st
 
 std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& clips, const TrainingOptions& options) {
   if (clips.empty()) throw DatasetError(options.name, "no clips to learn from");
+  if (!options.find_keyframes && !HasKeyframeFeatures(options.action)) {
+    throw DatasetError(options.name, "no key frames are known by feature for action '" + options.action +
+                                         "'; name labelled examples in a manifest's \"keyframes\"");
+  }
   Progress progress(options);
   GraphContents contents;
   contents.name = options.name;
   contents.action = options.action;
-  contents.frame_rate_hz = std::min(clips.front().clip.frame_rate_hz(), kModelRate_hz);
   contents.provenance.source = options.source;
   contents.provenance.licence = options.licence;
   contents.provenance.attribution = options.attribution;
@@ -239,9 +265,14 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
 
   progress.Begin("clips", 0, 0.2, static_cast<int>(clips.size()));
   const std::vector<PreparedClip> prepared = PrepareClips(clips, options, &progress, &notes);
-  if (prepared.empty()) throw DatasetError(options.name, "no clip is long enough to learn from");
+  if (prepared.empty()) {
+    throw DatasetError(options.name, "no clip is long enough to learn from" + (notes.empty() ? "" : ": " + notes.front()));
+  }
+  double highest_hz = 0;  // whatever the order of the clips
+  for (const PreparedClip& clip : prepared) highest_hz = std::max(highest_hz, clip.clip.frame_rate_hz());
+  contents.frame_rate_hz = std::min(highest_hz, kModelRate_hz);
   progress.Begin("steps", 0.2, 0.25, 1);
-  std::vector<TrainingStep> steps = FindSteps(prepared, options.jobs, options.action);
+  std::vector<TrainingStep> steps = FindSteps(prepared, options.jobs, options.action, options.find_keyframes);
   for (std::string& note : SettleSlowSteps(prepared, options.action, kFewestStarts, &steps)) notes.push_back(std::move(note));
   const std::vector<StepClass> classes = UsableClasses(prepared, steps, &notes);
   if (classes.empty()) {
@@ -265,14 +296,14 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
     fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
     progress.Step();
   });
-  contents.edges = FitEdges(prepared, steps, classes, fitted, options, &progress);
+  contents.edges = FitEdges(prepared, steps, classes, fitted, options, &progress, &notes);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 
   NoteMissingPrimitives(contents, &notes);
   for (size_t p = 0; p < contents.primitives.size(); ++p) {
     const bool leaves = std::any_of(contents.edges.begin(), contents.edges.end(),
                                     [&](const GraphEdge& edge) { return edge.from == static_cast<int>(p); });
-    if (!leaves) notes.push_back(contents.primitives[p].name + ": dead end, no transition leaves it");
+    if (!leaves) notes.push_back(Named(contents.primitives[p].name, contents.primitives[p].style) + ": dead end, no transition leaves it");
   }
   progress.Begin("model", 0.95, 1.0, 1);
   // What is returned is what a reader of the file gets, to the last bit.

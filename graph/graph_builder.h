@@ -8,6 +8,7 @@
 
 #include "datasets/motion_clip.h"
 #include "graph/motion_graph.h"
+#include "primitives/keyframe.h"
 
 namespace morphograph {
 
@@ -17,9 +18,15 @@ class TrainingCancelled : public std::runtime_error {
   TrainingCancelled() : std::runtime_error("training was cancelled") {}
 };
 
+/// Key frames of a clip, in time order.
+using KeyframeFinder = std::function<std::vector<Keyframe>(const MotionClip&)>;
+
 struct TrainingOptions {
   std::string name = "walk";
-  std::string action = "walk";
+  std::string action = "walk";    // steps are called "<side>_<action>"
+  /// Where steps begin and end; by the features of the action (KeyframeOptionsFor) when empty, so that only actions that are known
+  /// there can be learned without it. Called from several threads.
+  KeyframeFinder find_keyframes = {};
   int jobs = 1;                   // threads; the result does not depend on it
   double variance_kept = 0.99;    // of the weighted PCA
   std::uint64_t seed = 1;         // of k-means++ starts
@@ -36,7 +43,8 @@ struct TrainingClip {
 };
 
 /// Learns a motion graph from clips (METHODS sections 1-3).
-/// @throws DatasetError when nothing can be learned (no leg roles, no two consecutive steps in any clip), saying why.
+/// @throws DatasetError when nothing can be learned (no leg roles, no two consecutive steps in any clip, an unknown action), saying
+///   why and, where one clip is at fault, which; TrainingCancelled.
 std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& clips, const TrainingOptions& options);
 
 }  // namespace morphograph

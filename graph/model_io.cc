@@ -6,13 +6,12 @@
 #include <array>
 #include <cmath>
 #include <cstring>
-#include <fstream>
 #include <new>
 #include <nlohmann/json.hpp>
-#include <sstream>
 
 #include "datasets/atomic_file.h"
 #include "datasets/errors.h"
+#include "datasets/file_text.h"
 #include "graph/internal/array_store.h"
 #include "graph/internal/skeleton_json.h"
 
@@ -298,7 +297,7 @@ std::string Decompress(std::string_view compressed, std::uint64_t size) {
 
 std::string SerialiseModel(const MotionGraph& graph) {
   ArrayWriter arrays;
-  const std::string text = GraphToJson(graph, &arrays).dump();
+  const std::string text = GraphToJson(graph, &arrays).dump(-1, ' ', false, json::error_handler_t::replace);
   std::string payload;
   Put<std::uint64_t>(&payload, text.size());
   payload += text;
@@ -329,6 +328,7 @@ std::shared_ptr<const MotionGraph> ParseModel(std::string_view bytes, const std:
     throw DatasetError(source, "the model has format version " + std::to_string(version) + "; this program reads up to " +
                                    std::to_string(kModelFormatVersion));
   }
+  if (version == 0) throw DatasetError(source, "the model has format version 0, which does not exist");
   if (Checksum(bytes) != Get<std::uint64_t>(bytes, kCheckedBytes)) {
     throw DatasetError(source, "the model is damaged or cut short: its checksum does not match");
   }
@@ -348,12 +348,7 @@ std::shared_ptr<const MotionGraph> ParseModel(std::string_view bytes, const std:
 }
 
 std::shared_ptr<const MotionGraph> LoadModel(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw DatasetError(path.string(), "cannot be opened");
-  std::ostringstream bytes;
-  bytes << file.rdbuf();
-  if (!file || !bytes) throw DatasetError(path.string(), "cannot be read");
-  return ParseModel(bytes.view(), path.string());
+  return ParseModel(ReadFileText(path), path.string());
 }
 
 void SaveModel(const MotionGraph& graph, const std::filesystem::path& path) {

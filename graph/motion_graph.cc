@@ -2,6 +2,7 @@
 
 #include <boost/graph/adjacency_list.hpp>
 #include <cmath>
+#include <set>
 #include <stdexcept>
 
 namespace morphograph {
@@ -20,6 +21,10 @@ void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& conte
           name + "mixture does not fit the reduction");
   Require(primitive.style_index >= 0 && primitive.style_index < static_cast<int>(contents.styles.size()),
           name + "no such style");
+  Require(primitive.reduction.mean.allFinite() && primitive.reduction.basis.allFinite() && primitive.contacts.allFinite() &&
+              std::isfinite(primitive.latent_radius) && primitive.latent_radius >= 0 &&
+              std::isfinite(primitive.initial_weight) && primitive.initial_weight >= 0,
+          name + "a number is not finite, or negative");
 }
 
 void CheckEdge(const GraphEdge& edge, size_t index, const std::vector<MotionPrimitive>& primitives) {
@@ -38,6 +43,15 @@ void CheckEdge(const GraphEdge& edge, size_t index, const std::vector<MotionPrim
           name + "residuals do not fit its target");
   Require(model.noise_cholesky.rows() == to.reduction.components() && model.noise_cholesky.cols() == model.noise_cholesky.rows(),
           name + "noise does not fit its target");
+  for (const int component : model.residual_component) {
+    Require(component >= 0 && component < to.mixture.size(), name + "a residual belongs to no component of its target");
+  }
+  Require(!model.process || (model.process->input_dimension() == from.reduction.components() &&
+                             model.process->output_dimension() == to.reduction.components()),
+          name + "process does not fit its primitives");
+  Require(model.linear.allFinite() && model.residuals.allFinite() && model.noise_cholesky.allFinite() &&
+              model.component_chances.allFinite(),
+          name + "a number is not finite");
   Require(model.probability > 0 && model.probability <= 1 + 1e-9, name + "probability is not in (0, 1]");
 }
 
@@ -57,7 +71,13 @@ struct MotionGraph::Storage {
 MotionGraph::MotionGraph(GraphContents contents, std::string hash) {
   Require(!contents.primitives.empty(), "no primitives");
   Require(!contents.layout.active_joints().empty(), "no pose layout");
-  Require(contents.frame_rate_hz > 0, "frame rate must be positive");
+  Require(contents.frame_rate_hz > 0 && std::isfinite(contents.frame_rate_hz), "frame rate must be positive");
+  const std::vector<int>& active = contents.layout.active_joints();
+  const std::set<int> distinct(active.begin(), active.end());
+  Require(distinct.size() == active.size() && *distinct.begin() >= 0 &&
+              *distinct.rbegin() < contents.layout.skeleton().joint_count(),
+          "an active joint stands twice or is not there");
+  Require(contents.layout.skeleton().roles().Missing(LocomotionRoles()).empty(), "a joint of the legs has no role");
   for (const GraphStyle& style : contents.styles) {
     Require(static_cast<int>(style.mean_rotations.size()) == contents.layout.skeleton().joint_count(),
             "mean rotations of style '" + style.name + "' do not fit the skeleton");

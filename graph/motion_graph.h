@@ -58,7 +58,7 @@ struct GraphContents {
 
 /// The learned motion graph: vertex = primitive, edge = transition. Immutable and safe to share between threads.
 ///
-/// Guarantees: sizes agree throughout, edge ends exist, probabilities of leaving a vertex sum to 1. Ids are positions in
+/// Guarantees: sizes agree throughout, edge ends exist, numbers are finite, legs have roles, probabilities of leaving a vertex sum to 1. Ids are positions in
 /// `primitives()` and `edges()`, stable for the life of a model.
 class MotionGraph {
  public:

@@ -2,7 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
+#include "datasets/error_reason.h"
+#include "datasets/errors.h"
 #include "datasets/forward_kinematics.h"
 #include "datasets/parallel_for.h"
 #include "datasets/quantile.h"
@@ -22,12 +25,19 @@ constexpr double kLowestPart = 0.05;
 
 }  // namespace
 
-std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action) {
-  const KeyframeOptions keyframe_options = KeyframeOptionsFor(action);
+std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action,
+                                    const KeyframeFinder& find_keyframes) {
+  KeyframeFinder find = find_keyframes;
+  if (!find) {
+    find = [options = KeyframeOptionsFor(action)](const MotionClip& clip) { return DetectKeyframes(clip, options); };
+  }
   std::vector<std::vector<Segment>> per_clip(clips.size());
   ParallelFor(jobs, static_cast<int>(clips.size()), [&](int c) {
-    const std::vector<Keyframe> keyframes = DetectKeyframes(clips[c].clip, keyframe_options);
-    per_clip[c] = Decompose(clips[c].clip, c, keyframes);
+    try {
+      per_clip[c] = Decompose(clips[c].clip, c, find(clips[c].clip), {.action = action});
+    } catch (const std::invalid_argument& unfit) {
+      throw DatasetError(clips[c].clip.name, ReasonOf(unfit));
+    }
   });
   std::vector<TrainingStep> steps;
   for (const std::vector<Segment>& segments : per_clip) {

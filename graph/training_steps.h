@@ -40,7 +40,10 @@ struct StepClass {
 };
 
 /// Finds the steps of every clip (key frames, then decomposition), clip after clip, in time order.
-std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action);
+/// @param find_keyframes  when empty, by the features of the action.
+/// @throws DatasetError naming the clip whose key frames cannot be found.
+std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action,
+                                    const KeyframeFinder& find_keyframes = {});
 
 /// Decides which slow first and last steps become starts and ends, style by style and side by side.
 ///

@@ -212,6 +212,8 @@ bool Inside(const std::vector<Phase>& phases, double frame) {
 
 }  // namespace
 
+bool HasKeyframeFeatures(std::string_view action) { return action == "walk" || action == "run"; }
+
 KeyframeOptions KeyframeOptionsFor(std::string_view action) {
   KeyframeOptions options;
   if (action == "walk") return options;

@@ -30,6 +30,9 @@ struct KeyframeOptions {
   double max_standing_gap_s = 0.2;    // a shorter shift of weight does not end a standing phase
 };
 
+/// Whether KeyframeOptionsFor() knows an action.
+bool HasKeyframeFeatures(std::string_view action);
+
 /// Options for the actions that are known: "walk" and "run". @throws std::invalid_argument for any other.
 KeyframeOptions KeyframeOptionsFor(std::string_view action);
 

@@ -2,13 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <optional>
-#include <sstream>
 
 #include "datasets/errors.h"
+#include "datasets/file_text.h"
 
 namespace morphograph {
 namespace {
@@ -55,6 +54,8 @@ Json ParseJson(std::string_view text, const std::string& source) {
   } catch (const Json::parse_error& error) {
     const auto end = text.begin() + static_cast<std::ptrdiff_t>(std::min(error.byte, text.size()));
     throw DatasetError(source, 1 + static_cast<int>(std::count(text.begin(), end, '\n')), 0, "not valid JSON");
+  } catch (const Json::exception&) {
+    throw DatasetError(source, "holds a number past the range of a double");
   }
 }
 
@@ -76,10 +77,7 @@ LabelledClips ParseKeyframeLabels(std::string_view json, const std::string& sour
 }
 
 LabelledClips ReadKeyframeLabels(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  std::ostringstream text;
-  if (!file || !(text << file.rdbuf())) throw DatasetError(path.string(), "cannot be read");
-  return ParseKeyframeLabels(text.str(), path.string());
+  return ParseKeyframeLabels(ReadFileText(path), path.string());
 }
 
 std::optional<KeyframeLabel> WalkingLabel(std::string_view name) {

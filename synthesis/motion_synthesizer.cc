@@ -16,9 +16,6 @@ namespace morphograph {
 namespace {
 
 constexpr double kDefaultDuration_s = 5;
-constexpr double kLongest_s = 600;
-constexpr int kMostSteps = 1000;
-constexpr double kHighestFrameRate_hz = 240;
 
 // Names of boundaries, or of styles, for people.
 template <typename Values, typename NameOf>
@@ -109,20 +106,25 @@ std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<
   return steps;
 }
 
+std::string Rounded(double value) { return std::to_string(std::lround(value)); }
+
 }  // namespace
 
 std::optional<std::pair<std::string, std::string>> SynthesisRequest::FirstProblem() const {
   using Problem = std::pair<std::string, std::string>;
   if (duration_s && steps) return Problem{"/steps", "give either a duration or a number of steps, not both"};
-  if (duration_s && !(*duration_s > 0 && *duration_s <= kLongest_s)) {
-    return Problem{"/duration", "must be more than 0 and at most 600 seconds"};
+  if (duration_s && !(*duration_s > 0 && *duration_s <= kMaxDuration_s)) {
+    return Problem{"/duration", "must be more than 0 and at most " + Rounded(kMaxDuration_s) + " seconds"};
   }
-  if (steps && !(*steps >= 1 && *steps <= kMostSteps)) return Problem{"/steps", "must be from 1 to 1000"};
-  if (frame_rate_hz && !(*frame_rate_hz >= 1 && *frame_rate_hz <= kHighestFrameRate_hz)) {
-    return Problem{"/output/frame_rate", "must be from 1 to 240 frames a second"};
+  if (steps && !(*steps >= 1 && *steps <= kMaxSteps)) {
+    return Problem{"/steps", "must be from 1 to " + std::to_string(kMaxSteps)};
   }
-  if (!start.position_m.allFinite() || start.position_m.cwiseAbs().maxCoeff() > 1e6) {
-    return Problem{"/start/position", "must be within 1,000 km of the origin"};
+  if (frame_rate_hz && !(*frame_rate_hz >= kMinFrameRate_hz && *frame_rate_hz <= kMaxFrameRate_hz)) {
+    return Problem{"/output/frame_rate", "must be from " + Rounded(kMinFrameRate_hz) + " to " + Rounded(kMaxFrameRate_hz) +
+                                             " frames a second"};
+  }
+  if (!start.position_m.allFinite() || start.position_m.cwiseAbs().maxCoeff() > kMaxStartDistance_m) {
+    return Problem{"/start/position", "must be within " + Rounded(kMaxStartDistance_m) + " m of the origin"};
   }
   if (!std::isfinite(start.heading_rad)) return Problem{"/start/heading", "must be a number"};
   return std::nullopt;

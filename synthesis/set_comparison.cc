@@ -3,8 +3,10 @@
 #include <random>
 #include <stdexcept>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "datasets/error_reason.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/evaluation_motion.h"
 #include "synthesis/frechet_distance.h"
@@ -61,11 +63,10 @@ SetComparison CompareWindowSets(const Windows& clips, const Windows& reference, 
   SetComparison comparison;
   comparison.windows = CountWindows(clips);
   comparison.windows_reference = CountWindows(reference);
-  for (const int count : {comparison.windows, comparison.windows_reference}) {
+  for (const auto& [set, count] : {std::pair{"the clips", comparison.windows}, std::pair{"the reference", comparison.windows_reference}}) {
     if (count < kMinWindows) {
-      throw std::invalid_argument("CompareSets: " + std::to_string(kMinWindows) +
-                                  " windows are needed in both sets, not " + std::to_string(count) +
-                                  " (a window is 0.5 s)");
+      throw std::invalid_argument("CompareSets: " + std::string(set) + " yield too few windows of half a second: " +
+                                  std::to_string(count) + ", and " + std::to_string(kMinWindows) + " are needed");
     }
   }
   Windows filled;  // clips shorter than a window have none and cannot be dealt into halves
@@ -96,8 +97,15 @@ SetComparison CompareWindowSets(const Windows& clips, const Windows& reference, 
 SetComparison CompareSets(const std::vector<MotionClip>& clips, const std::vector<MotionClip>& reference,
                           std::uint64_t seed) {
   Windows of_clips, of_reference;
-  for (const MotionClip& clip : clips) of_clips.push_back(PoseWindows(PrepareEvaluation(clip)));
-  for (const MotionClip& clip : reference) of_reference.push_back(PoseWindows(PrepareEvaluation(clip)));
+  const auto add = [](const MotionClip& clip, Windows* windows) {
+    try {
+      windows->push_back(PoseWindows(PrepareEvaluation(clip)));
+    } catch (const std::invalid_argument& unfit) {
+      throw std::invalid_argument("CompareSets: clip '" + clip.name + "': " + ReasonOf(unfit));
+    }
+  };
+  for (const MotionClip& clip : clips) add(clip, &of_clips);
+  for (const MotionClip& clip : reference) add(clip, &of_reference);
   return CompareWindowSets(of_clips, of_reference, seed);
 }
 

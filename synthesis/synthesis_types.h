@@ -12,6 +12,13 @@
 
 namespace morphograph {
 
+/// What can be asked for. Clip requests are held against the same bounds, so that what they let in can be made.
+inline constexpr double kMaxDuration_s = 600;
+inline constexpr int kMaxSteps = 1000;
+inline constexpr double kMinFrameRate_hz = 1;
+inline constexpr double kMaxFrameRate_hz = 240;
+inline constexpr double kMaxStartDistance_m = 10'000;  // past this, 6 decimals of a file no longer hold the pose well
+
 /// Where a clip begins: floor position (x, z) in metres; heading in radians, 0 along +Z, pi/2 along +X.
 struct StartPose {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
@@ -23,12 +30,12 @@ struct StartPose {
 struct SynthesisRequest {
   std::uint64_t seed = 0;
   std::optional<std::string> style;   // any of the graph's styles; drawn by the seed when empty
-  std::optional<double> duration_s;   // (0, 600]
-  std::optional<int> steps;           // [1, 1000]
+  std::optional<double> duration_s;   // (0, kMaxDuration_s]
+  std::optional<int> steps;           // [1, kMaxSteps]
   StartPose start;
   WalkBoundary start_from = WalkBoundary::kWalking;  // what the clip begins out of
   WalkBoundary end = WalkBoundary::kWalking;         // what it ends in
-  std::optional<double> frame_rate_hz;  // (0, 240]; the model's own when empty
+  std::optional<double> frame_rate_hz;  // [kMinFrameRate_hz, kMaxFrameRate_hz]; the model's own when empty
 
   /// What is wrong with the numbers, if anything: the field's name and the reason.
   std::optional<std::pair<std::string, std::string>> FirstProblem() const;

@@ -6,6 +6,7 @@
 #include "api/cli/progress.h"
 #include "api/evaluation_response.h"
 #include "datasets/dataset_loader.h"
+#include "datasets/error_reason.h"
 #include "datasets/errors.h"
 
 namespace morphograph {
@@ -19,9 +20,13 @@ struct EvaluateFlags {
   bool json = false;
 };
 
-std::vector<MotionClip> Load(const std::vector<fs::path>& paths) {
+std::vector<MotionClip> Load(const std::vector<fs::path>& paths, std::vector<int>* first_frames = nullptr) {
   std::vector<MotionClip> clips;
-  for (LoadedClip& loaded : LoadDataset(paths).clips) clips.push_back(std::move(loaded.clip));
+  Dataset dataset = LoadDataset(paths);
+  for (LoadedClip& loaded : dataset.clips) {
+    clips.push_back(std::move(loaded.clip));
+    if (first_frames) first_frames->push_back(loaded.first_frame);
+  }
   return clips;
 }
 
@@ -39,27 +44,31 @@ void PrintRow(const MotionClip& clip, const ClipQuality& quality) {
 void PrintComparison(const SetComparison& c) {
   std::printf("\nagainst the reference: Frechet distance %.4g, %.2f times that between its random halves (%.4g)\n",
               c.frechet, c.frechet_ratio, c.frechet_halves);
+  std::printf("outside of the reference's leading directions %.2f times as much as the reference itself\n", c.residual_ratio);
   std::printf("diversity %.4g, of the reference %.4g; %d and %d windows\n", c.diversity, c.diversity_reference, c.windows,
               c.windows_reference);
 }
 
 void Evaluate(const EvaluateFlags& flags) {
   // Everything is computed before anything is printed: a failure prints no half result.
-  const std::vector<MotionClip> clips = Load({flags.clips.begin(), flags.clips.end()});
+  std::vector<int> first_frames;
+  const std::vector<MotionClip> clips = Load({flags.clips.begin(), flags.clips.end()}, &first_frames);
   std::vector<ClipEvaluation> evaluations;
   for (const MotionClip& clip : clips) {
     try {
       evaluations.push_back(EvaluateClip(clip));
     } catch (const std::invalid_argument& unfit) {
-      throw DatasetError(clip.name, "cannot be evaluated: " + std::string(unfit.what()));
+      throw DatasetError(clip.name, "cannot be evaluated: " + ReasonOf(unfit));
     }
   }
   std::optional<SetComparison> comparison;
+  std::string problem;  // why there is none: a set may be too small to be compared, and its clips are judged all the same
   if (!flags.reference.empty()) {
+    const std::vector<MotionClip> reference = Load({flags.reference});
     try {
-      comparison = CompareSets(clips, Load({flags.reference}));
+      comparison = CompareSets(clips, reference);
     } catch (const std::invalid_argument& unfit) {
-      throw DatasetError(flags.reference, "cannot be compared with: " + std::string(unfit.what()));
+      problem = ReasonOf(unfit);
     }
   }
   if (!flags.json) PrintHeader();
@@ -68,11 +77,17 @@ void Evaluate(const EvaluateFlags& flags) {
       PrintRow(clips[i], evaluations[i].quality);
       continue;
     }
-    nlohmann::ordered_json json = EvaluationJson(clips[i], evaluations[i]);
-    if (comparison) json["reference"] = ComparisonJson(*comparison);
+    nlohmann::ordered_json json = EvaluationJson(clips[i], evaluations[i], first_frames[i]);
+    if (comparison) {
+      json["reference"] = ComparisonJson(*comparison);
+    } else if (!problem.empty()) {
+      json["reference"] = nullptr;
+      json["reference_problem"] = problem;
+    }
     std::cout << json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace) << '\n';
   }
   if (!flags.json && comparison) PrintComparison(*comparison);
+  if (!flags.json && !problem.empty()) std::printf("\nnot compared with the reference: %s\n", problem.c_str());
 }
 
 }  // namespace

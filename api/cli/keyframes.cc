@@ -7,6 +7,7 @@
 #include "api/cli/command.h"
 #include "datasets/bvh_reader.h"
 #include "datasets/clip_conversion.h"
+#include "datasets/error_reason.h"
 #include "datasets/errors.h"
 #include "primitives/keyframe_detector.h"
 #include "primitives/keyframe_labels.h"
@@ -86,7 +87,7 @@ void Keyframes(const KeyframesFlags& flags) {
   try {
     keyframes = learned ? LearnedKeyframes(clip, flags) : FeatureKeyframes(clip, flags);
   } catch (const std::invalid_argument& unfit) {
-    throw DatasetError(flags.clip, unfit.what());
+    throw DatasetError(flags.clip, ReasonOf(unfit));
   }
   // Frames count as in the file, leading rest rows included.
   const auto frame_in_file = [&](const FoundKeyframe& keyframe) {

@@ -21,6 +21,7 @@ struct ServeFlags {
   std::vector<std::string> models;
   ServerOptions server;
   std::string data_dir, database;
+  std::vector<std::string> page_hosts;
 };
 
 /// A folder that goes with the process: for servers that are not told where to keep their jobs.
@@ -51,7 +52,11 @@ void AddModelFile(const std::string& file, ModelRegistry* models) {
   throw std::runtime_error(file + ": models named " + graph->name() + " and " + stem + " are served already");
 }
 
+bool IsLoopback(const std::string& host) { return host == "localhost" || host == "::1" || host.starts_with("127."); }
+
 void Serve(const ServeFlags& flags) {
+  if (!flags.database.empty() && !flags.database.starts_with("sqlite:"))
+    throw UsageError("--database: only sqlite:PATH is supported, not '" + flags.database + "'");
   Service service;
   for (const std::string& file : flags.models) AddModelFile(file, &service.models);
   if (flags.models.empty()) {
@@ -66,10 +71,16 @@ void Serve(const ServeFlags& flags) {
   service.training = &training;
 
   const Router router(AllRoutes(&service));
-  Server server(router, &service.metrics, flags.server);
+  ServerOptions options = flags.server;
+  options.ready = &service.ready;
+  if (IsLoopback(options.host)) {
+    options.page_hosts = flags.page_hosts;
+    for (const char* name : {"localhost", "127.0.0.1", "[::1]"}) options.page_hosts.emplace_back(name);
+    options.page_hosts.push_back(options.host);
+  }
+  Server server(router, &service.metrics, options);
   server.StopOnSignals();
   const int port = server.Bind();
-  service.ready = true;
   const std::string host = flags.server.host.find(':') == std::string::npos ? flags.server.host : "[" + flags.server.host + "]";
   std::cout << "serving on http://" << host << ':' << port << "/\n";
   for (const auto& model : service.models.List()) std::cout << "model " << model->name << ", " << model->graph->hash() << '\n';
@@ -77,7 +88,6 @@ void Serve(const ServeFlags& flags) {
   if (temporary) std::cout << "trained models and jobs end with this process; keep them with --data-dir\n";
   std::cout.flush();
   server.Run();
-  service.ready = false;
 }
 
 }  // namespace
@@ -88,6 +98,8 @@ void AddServe(CLI::App* program, Work* work) {
   verb->add_option("--model", flags->models, "Model files; the embedded model when absent");
   verb->add_option("--host", flags->server.host, "Address to listen on")->capture_default_str();
   verb->add_option("--port", flags->server.port, "Port; 0 takes any free one")->check(CLI::Range(0, 65535))->capture_default_str();
+  verb->add_option("--page-host", flags->page_hosts,
+                   "Hosts, other than this machine, whose pages may ask for clips: of a proxy in front, when listening on loopback only");
   verb->add_option("--data-dir", flags->data_dir, "Keeps trained models and jobs over restarts");
   verb->add_option("--database", flags->database, "Job database, sqlite:PATH; jobs.db in the data folder when absent");
   verb->add_option("--threads", flags->server.threads, "Workers; 0: one a core")->check(CLI::Range(0, 256))->capture_default_str();

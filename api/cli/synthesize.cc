@@ -1,9 +1,7 @@
 #include <cstdio>
-#include <fstream>
 #include <iostream>
 #include <memory>
 #include <optional>
-#include <sstream>
 
 #include "api/cli/command.h"
 #include "api/cli/progress.h"
@@ -14,6 +12,7 @@
 #include "api/glb_writer.h"
 #include "api/problem.h"
 #include "datasets/errors.h"
+#include "datasets/file_text.h"
 #include "graph/model_io.h"
 #include "synthesis/motion_synthesizer.h"
 
@@ -31,19 +30,12 @@ struct SynthesizeFlags {
   std::optional<int> count;
 };
 
-std::string ReadText(const fs::path& path) {
-  std::ifstream in(path, std::ios::binary);
-  std::ostringstream text;
-  if (!in || !(text << in.rdbuf())) throw DatasetError(path.string(), "cannot be read");
-  return text.str();
-}
-
 ClipRequest RequestFrom(const SynthesizeFlags& flags) {
   ClipRequest request;
   constexpr ClipRequestRules kRules{.model_required = false};
   if (!flags.request.empty()) {
     try {
-      request = ParseClipRequest(ReadText(flags.request), kRules);
+      request = ParseClipRequest(ReadFileText(flags.request), kRules);
     } catch (const ProblemError& error) {
       throw DatasetError(flags.request, ProblemLine(error.problem()));
     }
@@ -93,6 +85,9 @@ void SynthesizeClips(const SynthesizeFlags& flags) {
     throw UsageError("synthesize: --out and --report name the same file");
   const std::shared_ptr<const MotionGraph> graph = flags.model.empty() ? LoadDefaultModel() : LoadModel(flags.model);
   if (!graph) throw UsageError("synthesize: this program was built without a default model; give --model");
+  // With --model the file's "model" is a name that some server knows it by.
+  if (flags.model.empty() && !request.model.empty() && request.model != graph->name())
+    throw DatasetError(flags.request, "/model: asks for '" + request.model + "'; give its file by --model");
 
   StagedFiles files;
   const std::uint64_t first_seed = *request.seed;

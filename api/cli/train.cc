@@ -9,6 +9,7 @@
 #include "api/cli/staged_files.h"
 #include "api/model_description.h"
 #include "api/training.h"
+#include "datasets/text_encoding.h"
 #include "graph/graph_summary.h"
 #include "graph/model_io.h"
 
@@ -34,7 +35,7 @@ std::string CommandOf(const TrainFlags& flags) {
   if (!flags.action.empty()) command += " --action " + flags.action;
   if (!flags.manifest.empty()) command += " --manifest " + last(flags.manifest);
   if (!flags.name.empty()) command += " --name " + flags.name;
-  return command;
+  return Utf8FromUnknown(command);
 }
 
 void TrainModel(const TrainFlags& flags) {

@@ -62,6 +62,8 @@ HttpResponse SubmitTraining(Service* service, const HttpRequest& request) {
       ReadSettings(part.content, &upload);
     } else if (part.name == "manifest") {
       upload.manifest = part.content;
+    } else if (part.name == "keyframes") {
+      upload.keyframes = part.content;
     } else if (part.name == "name") {
       upload.name = std::string(part.content);
     } else if (part.name == "action") {
@@ -70,7 +72,7 @@ HttpResponse SubmitTraining(Service* service, const HttpRequest& request) {
       upload.clips.emplace_back(part.file_name, part.content);
     } else {
       throw ProblemError(400, "unknown part '" + Excerpt(part.name) +
-                                  "': clips are parts with a file name; others are settings, manifest, name, action");
+                                  "': clips are parts with a file name; others are settings, manifest, keyframes, name, action");
     }
   }
   const Job job = training.Submit(upload);

@@ -14,6 +14,11 @@ std::shared_ptr<const ServedModel> Wanted(const Service& service, const HttpRequ
   return model;
 }
 
+// A name in a model that is no UTF-8 must not hide all others.
+std::string Dumped(const nlohmann::ordered_json& json) {
+  return json.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
 // Answers with a text, or with 304 when the client has it already.
 HttpResponse Tagged(const HttpRequest& request, std::string type, std::string body) {
   HttpResponse response;
@@ -39,19 +44,19 @@ HttpResponse ListModels(const Service& service, const HttpRequest& request) {
   NeedJson(request);
   nlohmann::ordered_json json = {{"models", nlohmann::ordered_json::array()}};
   for (const auto& model : service.models.List()) json["models"].push_back(ModelJson(model->summary, model->name));
-  return Tagged(request, "application/json", json.dump());
+  return Tagged(request, "application/json", Dumped(json));
 }
 
 HttpResponse GetModel(const Service& service, const HttpRequest& request) {
   NeedJson(request);
   const auto model = Wanted(service, request);
-  return Tagged(request, "application/json", ModelJson(model->summary, model->name).dump());
+  return Tagged(request, "application/json", Dumped(ModelJson(model->summary, model->name)));
 }
 
 HttpResponse GetGraph(const Service& service, const HttpRequest& request) {
   const auto model = Wanted(service, request);
   switch (ChooseMediaType(request.Header("Accept"), {"application/json", "text/vnd.graphviz"})) {
-    case 0: return Tagged(request, "application/json", GraphJson(model->summary, model->name).dump());
+    case 0: return Tagged(request, "application/json", Dumped(GraphJson(model->summary, model->name)));
     case 1: return Tagged(request, "text/vnd.graphviz; charset=utf-8", GraphDot(model->summary));
     default: throw ProblemError(406, "a graph is given as application/json or text/vnd.graphviz");
   }

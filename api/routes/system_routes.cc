@@ -17,7 +17,7 @@ HttpResponse Plain(std::string body) {
 }
 
 HttpResponse Ready(const Service& service) {
-  if (!service.ready) throw ProblemError(Problem{503, "not ready: models are being loaded", {}, 1, {}});
+  if (!service.ready) throw ProblemError(Problem{503, "not ready: the server starts or stops", {}, 1, {}});
   return Plain("ready\n");
 }
 

@@ -109,6 +109,8 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   ExpectFailure("train --data x", 2, "--out");
   ExpectFailure("serve --port 99999", 2, "--port");
   ExpectFailure("keyframes " + Clip() + " --method learned", 2, "--labels");
+  ExpectFailure("serve --model " + Model() + " --database postgres://x --port 0", 2, "sqlite");
+  ExpectFailure("train --data " + Data() + " --action dance --out m.mgm --quiet", 2, "--action: 'dance'");
   for (const std::string later : {"study", "sensors", "markers", "reconstruct"})
     ExpectFailure(later + " --anything", 2, "does not exist yet");
 }
@@ -173,7 +175,6 @@ TEST_F(CliTest, FailuresSayWhereAndLeaveNothingBehind) {
   ExpectFailure(make + "--steps 2 --out a.bvh --report missing/a.json", 1, "missing/a.json");
   ExpectFailure(make + "--steps 2 --count 2 --out new/folder --report broken.json", 1, "broken.json");
   ExpectFailure("serve --model damaged.mgm --port 0", 1, "damaged.mgm");
-  ExpectFailure("serve --model " + Model() + " --database postgres://x --port 0", 1, "sqlite");
 }
 
 TEST_F(CliTest, AFailureLeavesAnExistingFileWhole) {
@@ -254,6 +255,112 @@ TEST_F(CliTest, EvaluateGivesOneObjectAClip) {
   EXPECT_EQ(std::count(all.out.begin(), all.out.end(), '\n'), 12);
   EXPECT_GE(json::parse(all.out.substr(0, all.out.find('\n')))["reference"]["windows"], 64);
   EXPECT_THAT(Run("evaluate " + Clip()).out, HasSubstr("walk_brisk_000"));
+}
+
+TEST_F(CliTest, EvaluateSaysWhySetsCannotBeCompared) {
+  const Outcome one = Run("evaluate " + Clip() + " --json --reference " + Clip());
+  ASSERT_EQ(one.status, 0) << one.err;
+  const json evaluation = json::parse(one.out);
+  EXPECT_TRUE(evaluation["quality"]["contact_distance"].is_number());
+  EXPECT_TRUE(evaluation["reference"].is_null());
+  EXPECT_THAT(evaluation["reference_problem"].get<std::string>(), ::testing::StartsWith("the clips yield too few windows"));
+  EXPECT_THAT(Run("evaluate " + Clip() + " --reference " + Clip()).out, HasSubstr("not compared with the reference: the clips"));
+  EXPECT_THAT(Run("evaluate " + Data() + " --reference " + Clip()).out, HasSubstr("the reference yield"));
+}
+
+TEST_F(CliTest, FramesCountAsInTheFile) {
+  // A rest pose in front, as captures often begin with: every later frame of the file is one more.
+  const std::string text = ReadFile(shared_->path() / "data/walk_brisk_000.bvh");
+  const std::size_t count_at = text.find("Frames: ") + 8, rows_at = text.find('\n', text.find("Frame Time:")) + 1;
+  const int frames = std::stoi(text.substr(count_at));
+  const std::string first_row = text.substr(rows_at, text.find('\n', rows_at) - rows_at);
+  std::string rest;
+  for (long i = std::count(first_row.begin(), first_row.end(), ' '); i >= 0; --i) rest += i > 0 ? "0 " : "0\n";
+  std::string with_rest = text;
+  with_rest.insert(rows_at, rest);
+  with_rest.replace(count_at, std::to_string(frames).size(), std::to_string(frames + 1));
+  folder_.Write("a.bvh", text);
+  folder_.Write("b.bvh", with_rest);
+  const json plain = json::parse(Run("evaluate a.bvh --json").out), later = json::parse(Run("evaluate b.bvh --json").out);
+  EXPECT_EQ(plain["first_frame"], 0);
+  EXPECT_EQ(later["first_frame"], 1);
+  EXPECT_EQ(later["frames"], plain["frames"]);
+  EXPECT_EQ(later["curves"]["frame_rate"], 30);
+  EXPECT_EQ(later["contacts"][3]["from"].get<int>(), plain["contacts"][3]["from"].get<int>() + 1);
+  EXPECT_EQ(later["contacts"][3]["to"].get<int>(), plain["contacts"][3]["to"].get<int>() + 1);
+  const json keyframes = json::parse(Run("keyframes a.bvh --json").out), shifted = json::parse(Run("keyframes b.bvh --json").out);
+  EXPECT_EQ(shifted["keyframes"][3]["frame"].get<int>(), keyframes["keyframes"][3]["frame"].get<int>() + 1);
+}
+
+TEST_F(CliTest, LabelledExamplesSayWhereStepsBegin) {
+  // Labels of a few clips, as somebody would mark them, teach where the steps of all clips begin.
+  json labels;
+  for (const std::string stem : {"walk_brisk_000", "walk_slow_000", "walk_slow_001"}) {
+    const json found = json::parse(Run("keyframes '" + (shared_->path() / "data" / (stem + ".bvh")).string() + "' --json").out);
+    for (const json& keyframe : found["keyframes"]) labels[stem].push_back(keyframe);
+  }
+  const auto train = [&](const std::string& keyframes) {
+    folder_.Write("set.json", R"({"name": "labelled", "action": "stroll", "keyframes": ")" + keyframes + "\"}");
+    return "train --data " + Data() + " --manifest set.json --out m.mgm --quiet";
+  };
+  folder_.Write("labels.json", labels.dump());
+  const Outcome trained = Run(train("labels.json"));
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  const json model = json::parse(Run("inspect m.mgm --json").out);
+  int steps = 0;
+  for (const json& primitive : model["primitives"]) steps += primitive["name"] == "left_stroll" ? primitive["examples"].get<int>() : 0;
+  EXPECT_GT(steps, 40);  // twelve clips of 14 steps, half of them left ones
+  fs::remove(Path("m.mgm"));
+  // What is labelled counts, and is needed.
+  ExpectFailure(train("none.json"), 1, "none.json");
+  for (auto& [stem, list] : labels.items()) {
+    for (json& keyframe : list) keyframe["label"] = "left_stance";
+  }
+  folder_.Write("left.json", labels.dump());
+  ExpectFailure(train("left.json"), 1, "no kind of step");
+  folder_.Write("other.json", R"({"nobody": [{"frame": 3, "label": "left_stance"}]})");
+  ExpectFailure(train("other.json"), 1, "other.json");
+  folder_.Write("jump.json", R"({"walk_slow_000": [{"frame": 30, "label": "take_off"}]})");
+  ExpectFailure(train("jump.json"), 1, "jump.json: none of its labels");
+}
+
+TEST_F(CliTest, NamesThatAreNoUtf8AreTranscoded) {
+  for (const auto& entry : fs::directory_iterator(shared_->path() / "data")) {
+    std::string text = ReadFile(entry.path());
+    const std::size_t at = text.find("JOINT Spine");
+    ASSERT_NE(at, std::string::npos);
+    text.insert(at + 6, "R\xFC""cken_");
+    folder_.Write("caf\xE9/" + entry.path().filename().string(), text);
+  }
+  const Outcome trained = Run("train --data 'caf\xE9' --out m.mgm --quiet");
+  ASSERT_EQ(trained.status, 0) << trained.err;
+  ASSERT_EQ(Run("synthesize --model m.mgm --steps 2 --seed 1 --out a.bvh").status, 0);
+  EXPECT_THAT(ReadFile(Path("a.bvh")), HasSubstr("R\xC3\xBC""cken_Spine"));
+  EXPECT_THAT(json::parse(Run("inspect m.mgm --json").out)["command"].get<std::string>(), HasSubstr("caf\xC3\xA9"));
+}
+
+TEST_F(CliTest, EmptyFilesAreToldSo) {
+  folder_.Write("empty", "");
+  ExpectFailure("synthesize --model " + Model() + " --request empty --out a.bvh", 1, "empty: is empty");
+  ExpectFailure("inspect empty", 1, "empty: is empty");
+  ExpectFailure("keyframes " + Clip() + " --method learned --labels empty", 1, "empty: is empty");
+  ExpectFailure("train --data " + Data() + " --manifest empty --out m.mgm --quiet", 1, "empty: is empty");
+}
+
+TEST_F(CliTest, ErrorsNameTheFilesAtFault) {
+  folder_.Write("set/a_walk.bvh", ReadFile(shared_->path() / "data/walk_brisk_000.bvh"));
+  folder_.Write("set/b_broken.bvh", "HIERARCHY\nROOT hips\n{\n  OFFSET 0 zero 0\n}\n");
+  folder_.Write("set/c_broken.bvh", "HIERARCHY\n");
+  ExpectFailure("evaluate set", 1, "b_broken.bvh:4:");
+  ExpectFailure("train --data set --out m.mgm --quiet", 1, "c_broken.bvh");
+  // One that is sound, but cannot be put on the first one's skeleton: it has no legs.
+  folder_.Write("two/a.bvh", ReadFile(shared_->path() / "data/walk_brisk_000.bvh"));
+  folder_.Write("two/b.bvh", "HIERARCHY\nROOT pole\n{ OFFSET 0 0 0 CHANNELS 3 Xrotation Yrotation Zrotation End Site { OFFSET 0 1 0 } }\n"
+                "MOTION\nFrames: 3\nFrame Time: 0.1\n0 0 0\n0 0 1\n0 0 2\n");
+  const Outcome unfit = Run("train --data two --out m.mgm --quiet");
+  EXPECT_EQ(unfit.status, 1);
+  EXPECT_THAT(unfit.err, HasSubstr("morphograph: b: cannot be put on the skeleton of a: "));
+  EXPECT_THAT(unfit.err, ::testing::Not(HasSubstr("Retarget:")));
 }
 
 TEST_F(CliTest, KeyframesAlternate) {

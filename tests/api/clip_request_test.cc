@@ -67,6 +67,30 @@ TEST(ClipRequest, ReadsWhatAClipBeginsOutOfAndEndsIn) {
   EXPECT_EQ(Verdict(R"({"model":"walk","end":"Standing"})"), "400 /end");
 }
 
+TEST(ClipRequest, WhateverIsLetInCanBeMade) {
+  // At every bound, and a hair inside and outside of it: the synthesiser has nothing to object to what was accepted.
+  const auto accepted = [](const std::string& fields) {
+    try {
+      ClipRequest request = ParseClipRequest("{\"model\":\"walk\",\"seed\":1," + fields + "}");
+      EXPECT_EQ(ToSynthesisRequest(request).FirstProblem(), std::nullopt) << fields;
+      return true;
+    } catch (const ProblemError&) {
+      return false;
+    }
+  };
+  const std::string position = "\"start\":{\"position\":[", rate = "\"duration\":1,\"output\":{\"frame_rate\":";
+  EXPECT_TRUE(accepted("\"duration\":600"));
+  EXPECT_FALSE(accepted("\"duration\":600.001"));
+  EXPECT_TRUE(accepted("\"steps\":1000"));
+  EXPECT_FALSE(accepted("\"steps\":1001"));
+  EXPECT_TRUE(accepted(rate + "1}"));
+  EXPECT_FALSE(accepted(rate + "0.999}"));
+  EXPECT_TRUE(accepted(rate + "240}"));
+  EXPECT_FALSE(accepted(rate + "240.1}"));
+  EXPECT_TRUE(accepted(position + "10000,-10000]}"));
+  EXPECT_FALSE(accepted(position + "10000.1,0]}"));
+}
+
 TEST(ClipRequest, TakesEverySeedOf64BitsWithoutLoss) {
   for (const std::uint64_t seed : {std::uint64_t{0}, std::uint64_t{9007199254740993},  // 2^53 + 1: no double holds it
                                    std::uint64_t{9223372036854775808u}, ~std::uint64_t{0}}) {
@@ -129,6 +153,7 @@ TEST(ClipRequest, NamesTheNearestValueThatCouldBeMet) {
   EXPECT_EQ(Verdict(R"({"model":"walk","steps":1001})"), "422 /steps");
   EXPECT_EQ(Verdict(R"({"model":"walk","steps":18446744073709551615})"), "422 /steps");
   EXPECT_EQ(Verdict(R"({"model":"walk","output":{"frame_rate":241}})"), "422 /output/frame_rate");
+  EXPECT_EQ(Verdict(R"({"model":"walk","output":{"frame_rate":0.5}})"), "422 /output/frame_rate");
   EXPECT_EQ(Verdict(R"({"model":"walk","duration":600,"output":{"frame_rate":240}})"), "422 /duration");
   EXPECT_EQ(Verdict(R"({"model":"walk","start":{"position":[1e9,0]}})"), "422 /start/position");
 }

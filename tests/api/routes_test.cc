@@ -278,6 +278,10 @@ TEST_F(RoutesTest, EvaluationRefusesWhatIsNoUsefulBvh) {
   const RawResponse long_clip = evaluate(testing::ManyJointsWithoutChannels(400, 3000, "1"));
   ExpectProblem(long_clip, 422);
   EXPECT_THAT(long_clip.body, HasSubstr("at most"));
+  for (const RawResponse& refused : {evaluate(testing::ManyJointsWithoutChannels(3, 4)), evaluate(testing::ManyJointsWithoutChannels(3, 1))}) {
+    ExpectProblem(refused, 422);
+    EXPECT_THAT(refused.body, ::testing::Not(::testing::ContainsRegex("DetectContacts|PrepareEvaluation")));
+  }
   const std::string whole = Post(R"({"model":"walk","seed":9,"steps":2})").body;
   for (std::size_t cut = 0; cut < 3000; cut += 311) ExpectProblem(evaluate(whole.substr(0, cut)), 400);
 }
@@ -375,6 +379,18 @@ TEST_F(RoutesTest, RealAnswersFitTheDescription) {
   fits(graph["primitives"][0], extra["primitives"]["items"]);
   fits(graph["edges"][0], extra["edges"]["items"]);
   fits(json::parse(Post("{}").body), schemas["Problem"]);
+}
+
+TEST(Routes, TheReportNamesTheModelAsItWasAskedFor) {
+  testing::TestService app;
+  app.service.models.Add("walk", testing::SmallModel());
+  app.service.models.Add("stroll", testing::SmallModel());  // its file says "walk"
+  app.Start();
+  const RawResponse clip = Ask(app.port, "POST", "/v1/clips", "Accept: application/json\r\n", R"({"model":"stroll","seed":1,"steps":2})");
+  ASSERT_EQ(clip.status, 200) << clip.body;
+  EXPECT_EQ(json::parse(clip.body)["report"]["model"]["name"], "stroll");
+  const RawResponse report = Ask(app.port, "GET", clip.headers.at("location") + "/report");
+  EXPECT_EQ(json::parse(report.body)["model"]["name"], "stroll");
 }
 
 }  // namespace

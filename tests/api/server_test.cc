@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <fstream>
 #include <latch>
 #include <thread>
@@ -427,6 +428,23 @@ TEST_F(ServerTest, RefusesChangesAskedByPagesOfOtherSites) {
   EXPECT_EQ(Ask(port_, "GET", "/hello", "Sec-Fetch-Site: cross-site\r\n").status, 200);
 }
 
+TEST_F(ServerTest, RefusesChangesAskedByPagesOfUnknownHosts) {
+  ServerOptions options;
+  options.page_hosts = {"localhost", "[::1]", "motion.example.org"};
+  Start(options);
+  const auto status = [&](const std::string& origin) {
+    return Ask(port_, "POST", "/echo", "Origin: " + origin + "\r\n", "x").status;
+  };
+  // A page whose own name was made to lead here is of the same site, to the browser.
+  EXPECT_EQ(Ask(port_, "POST", "/echo", "Origin: http://evil.example:8080\r\nSec-Fetch-Site: same-origin\r\n", "x").status, 403);
+  for (const char* other : {"http://evil.example", "null", "http://localhost.evil.example", "http://[::2]:8080", "localhost"})
+    EXPECT_EQ(status(other), 403) << other;
+  for (const char* known : {"http://localhost", "http://LOCALHOST:8080", "http://[::1]:8080", "https://motion.example.org"})
+    EXPECT_EQ(status(known), 200) << known;
+  EXPECT_EQ(Ask(port_, "POST", "/echo", "", "x").status, 200);  // no browser
+  EXPECT_EQ(Ask(port_, "GET", "/hello", "Origin: http://evil.example\r\n").status, 200);
+}
+
 TEST_F(ServerTest, CountsByRouteNotByPath) {
   Start();
   for (int i = 0; i < 5; ++i) Ask(port_, "GET", "/items/" + std::to_string(i));
@@ -436,6 +454,25 @@ TEST_F(ServerTest, CountsByRouteNotByPath) {
   EXPECT_THAT(text, HasSubstr("morphograph_http_requests_total{method=\"GET\",route=\"none\",status=\"404\"} 1"));
   EXPECT_THAT(text, HasSubstr("morphograph_http_request_seconds_bucket{route=\"/items/{name}\",le=\"+Inf\"} 5"));
   EXPECT_THAT(text, Not(HasSubstr("stray")));
+}
+
+TEST(ServerReadiness, LastsFromRunToStop) {
+  const Router router{std::vector<Route>()};
+  Metrics metrics;
+  std::atomic<bool> ready = false;
+  ServerOptions options;
+  options.port = 0;
+  options.ready = &ready;
+  Server server(router, &metrics, options);
+  server.Bind();
+  EXPECT_FALSE(ready);
+  std::thread running([&] { server.Run(); });
+  for (int i = 0; i < 1000 && !ready; ++i) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_TRUE(ready);
+  server.Stop();
+  EXPECT_FALSE(ready);  // at once, whatever is still under way
+  running.join();
+  EXPECT_FALSE(ready);
 }
 
 }  // namespace

@@ -4,10 +4,13 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <cmath>
 #include <fstream>
 #include <nlohmann/json.hpp>
 #include <thread>
 
+#include "graph/model_io.h"
+#include "primitives/keyframe_detector.h"
 #include "tests/support/raw_http.h"
 #include "tests/support/small_model.h"
 #include "tests/support/temporary_folder.h"
@@ -120,7 +123,7 @@ TEST(TrainingService, SaysWhyAJobFailed) {
   const std::string body = Part("name=\"clips\"; filename=\"../../broken.bvh\"", "HIERARCHY\nROOT x\n{\n OFFSET a\n") + "--cut--\r\n";
   const json job = server.WaitFor(server.Submit(body).headers.at("location"));
   EXPECT_EQ(job["state"], "failed");
-  EXPECT_THAT(job["detail"].get<std::string>(), HasSubstr("00000_broken.bvh:4:"));
+  EXPECT_THAT(job["detail"].get<std::string>(), ::testing::StartsWith("broken.bvh:4:"));
   EXPECT_THAT(job["detail"].get<std::string>(), ::testing::Not(HasSubstr(folder.path().string())));
 }
 
@@ -146,6 +149,70 @@ TEST(TrainingService, ADamagedModelDoesNotStopTheServer) {
   TrainingServer server(folder.path());
   EXPECT_EQ(server.Send("GET", "/livez").status, 200);
   EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("bad.mgm"));
+}
+
+TEST(TrainingService, LabelledKeyframesComeWithTheUploadAndFromNowhereElse) {
+  const testing::TemporaryFolder folder;
+  TrainingServer server(folder.path());
+  std::string clips;
+  json labels;
+  for (const auto& [name, clip] : testing::SmallWalks()) {
+    clips += Part("name=clips; filename=\"" + name + ".bvh\"", WriteBvh(ExportClip(clip)));
+    if (name != "walk_brisk_000" && name != "walk_slow_000") continue;
+    for (const Keyframe& keyframe : DetectKeyframes(clip))
+      labels[name].push_back({{"frame", std::lround(keyframe.frame)}, {"label", KeyframeLabelName(keyframe.label)}});
+  }
+  const auto upload = [&](const std::string& manifest, const std::string& keyframes) {
+    return server.Submit(clips + Part("name=name", "mine") + (manifest.empty() ? "" : Part("name=manifest", manifest)) +
+                         (keyframes.empty() ? "" : Part("name=keyframes", keyframes)) + "--cut--\r\n");
+  };
+  // Neither a path nor a name can make the server read a file of its own.
+  folder.Write("labels.json", labels.dump());
+  for (const std::string path : {"../../labels.json", "/etc/labels.json", "..\\\\labels.json", "sub/labels.json", "labels.json"}) {
+    const RawResponse refused = upload(R"({"keyframes": ")" + path + "\"}", "");
+    EXPECT_EQ(refused.status, 400) << path;
+    EXPECT_THAT(refused.body, HasSubstr("/keyframes")) << path;
+  }
+  EXPECT_EQ(upload(R"({"keyframes": "../labels.json"})", labels.dump()).status, 400);
+  EXPECT_EQ(upload("", "[{\"frame\": -1}]").status, 400);
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "uploads"));
+
+  const RawResponse accepted = upload(R"({"action": "stroll", "include": ["walk_*"], "keyframes": "labels.json"})", labels.dump());
+  ASSERT_EQ(accepted.status, 202) << accepted.body;
+  const json job = server.WaitFor(accepted.headers.at("location"));
+  EXPECT_EQ(job["state"], "succeeded") << job;
+  const json graph = json::parse(server.Send("GET", "/v1/models/mine/graph").body);
+  EXPECT_EQ(graph["action"], "stroll");
+  bool strolls = false;
+  for (const json& primitive : graph["primitives"]) strolls |= primitive["name"] == "left_stroll";
+  EXPECT_TRUE(strolls);
+}
+
+TEST(TrainingService, WhatCannotBeTrainedIsRefusedBeforeItIsQueued) {
+  const testing::TemporaryFolder folder;
+  TrainingServer server(folder.path());
+  const std::string clip = Part("name=c; filename=a.bvh", "x");
+  const RawResponse action = server.Submit(clip + Part("name=action", "dance") + "--cut--");
+  EXPECT_EQ(action.status, 400);
+  EXPECT_EQ(json::parse(action.body)["errors"][0]["pointer"], "/action");
+  const RawResponse manifest = server.Submit(clip + Part("name=manifest", R"({"nope": 1})") + "--cut--");
+  EXPECT_EQ(manifest.status, 400);
+  EXPECT_THAT(manifest.body, HasSubstr("manifest: /nope: unknown field"));
+  EXPECT_THAT(server.Submit(clip + Part("name=manifest", R"({"metres_per_unit": 1e999})") + "--cut--").body, HasSubstr("range of a double"));
+  EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "uploads"));
+}
+
+TEST(TrainingService, ModelsWithNamesThatNobodyCanAskForAreNotServed) {
+  const testing::TemporaryFolder folder;
+  std::filesystem::create_directories(folder.path() / "models");
+  SaveModel(*testing::SmallModel(), folder.path() / "models" / "caf\xE9.mgm");
+  SaveModel(*testing::SmallModel(), folder.path() / "models" / "fine.mgm");
+  ::testing::internal::CaptureStderr();
+  TrainingServer server(folder.path());
+  EXPECT_THAT(::testing::internal::GetCapturedStderr(), HasSubstr("cannot name a model"));
+  const RawResponse models = server.Send("GET", "/v1/models");
+  EXPECT_EQ(models.status, 200);
+  EXPECT_EQ(json::parse(models.body)["models"].size(), 1u);
 }
 
 }  // namespace

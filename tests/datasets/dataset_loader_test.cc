@@ -92,7 +92,10 @@ TEST(DatasetLoader, ErrorsNameTheFile) {
   folder.Write("broken2.bvh", "");
   for (const int jobs : {1, 4}) {
     EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("broken1.bvh:")) << jobs;
+    EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("2 files are broken, also: broken2.bvh")) << jobs;
   }
+  const DatasetLimits tight{.file = {}, .max_joint_frames = 10};
+  EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path() / "good.bvh"}, DatasetManifest(), 1, tight); }), HasSubstr("good.bvh: the set is too large"));
   EXPECT_THAT(ErrorOf([&] {
                 LoadDataset({folder.path()}, ParseManifest(R"({"include": ["good*"], "clips": {"good": {"to": 3}}})", "m"));
               }),

@@ -4,11 +4,17 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <set>
 
+#include "datasets/dataset_loader.h"
 #include "datasets/errors.h"
+#include "datasets/resample.h"
 #include "graph/graph_summary.h"
 #include "graph/model_io.h"
+#include "primitives/keyframe_detector.h"
+#include "tests/support/shared_data.h"
 #include "tests/support/small_model.h"
 
 namespace morphograph {
@@ -123,6 +129,55 @@ TEST(GraphBuilder, RefusesSkeletonsWithoutLegs) {
   } catch (const DatasetError& error) {
     EXPECT_THAT(error.what(), HasSubstr("left_knee"));
     EXPECT_THAT(error.what(), HasSubstr("roles"));
+  }
+}
+
+TEST(GraphBuilder, StepsAreNamedByTheActionAndBeginWhereTheFinderSays) {
+  TrainingOptions options;
+  options.action = "stroll";
+  EXPECT_THROW(BuildGraph(SmallClips(), options), DatasetError);  // no features are known for it
+  std::atomic<int> asked = 0;
+  options.find_keyframes = [&](const MotionClip& clip) {
+    ++asked;
+    return DetectKeyframes(clip);
+  };
+  const GraphSummary summary = Summarise(*BuildGraph(SmallClips(), options));
+  EXPECT_EQ(asked, static_cast<int>(SmallClips().size()));
+  EXPECT_NE(Find(summary, "left_stroll", "brisk"), nullptr);
+  EXPECT_EQ(Find(summary, "left_walk", "brisk"), nullptr);
+  EXPECT_THAT(summary.notes, ::testing::Not(Contains(HasSubstr("_walk"))));
+}
+
+TEST(GraphBuilder, FrameRateIsOfTheClipsAndNotOfTheirOrder) {
+  std::vector<TrainingClip> clips = SmallClips();
+  MotionClip slow = clips[0].clip;
+  slow.name = "slow";
+  MotionClip crawl(slow.shared_skeleton(), 1, slow.frame_count());
+  crawl.name = "crawl";
+  crawl.style = slow.style;
+  clips.insert(clips.begin(), {Resample(slow, 15), true});
+  clips.insert(clips.begin(), {crawl, true});
+  const auto graph = BuildGraph(clips, TrainingOptions());
+  EXPECT_EQ(graph->frame_rate_hz(), 30);
+  EXPECT_THAT(graph->provenance().notes, Contains(HasSubstr("crawl: recorded at 1 frames a second")));
+}
+
+TEST(GraphBuilder, LearnsRunning) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const Dataset dataset = LoadDataset({testing::SharedData() / "bnr" / "dataset-2" / "run"});
+  std::vector<TrainingClip> clips;
+  std::set<std::string> styles;
+  for (const LoadedClip& loaded : dataset.clips) {
+    clips.push_back({loaded.clip, false});
+    styles.insert(loaded.clip.style);
+  }
+  TrainingOptions options;
+  options.action = "run";
+  options.jobs = 2;
+  const GraphSummary summary = Summarise(*BuildGraph(clips, options));
+  for (const std::string& style : styles) {
+    EXPECT_NE(Find(summary, "left_run", style), nullptr) << style;
+    EXPECT_NE(Find(summary, "right_run", style), nullptr) << style;
   }
 }
 

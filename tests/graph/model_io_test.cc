@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "datasets/errors.h"
 #include "graph/graph_summary.h"
 #include "tests/support/small_model.h"
@@ -65,6 +67,50 @@ TEST(ModelIo, SavesAndLoadsAFile) {
   SaveModel(*testing::SmallModel(), path);
   EXPECT_EQ(LoadModel(path)->hash(), testing::SmallModel()->hash());
   EXPECT_THROW(LoadModel(folder.path() / "missing.mgm"), DatasetError);
+}
+
+GraphContents ContentsOf(const MotionGraph& graph) {
+  GraphContents contents;
+  contents.name = graph.name();
+  contents.action = graph.action();
+  contents.frame_rate_hz = graph.frame_rate_hz();
+  contents.layout = graph.layout();
+  contents.styles = graph.styles();
+  for (int p = 0; p < graph.primitive_count(); ++p) contents.primitives.push_back(graph.primitive(p));
+  for (int e = 0; e < graph.edge_count(); ++e) contents.edges.push_back({graph.edge_from(e), graph.edge_to(e), graph.transition(e)});
+  return contents;
+}
+
+TEST(MotionGraph, RefusesPartsThatDoNotFit) {
+  const GraphContents sound = ContentsOf(*testing::SmallModel());
+  EXPECT_EQ(MotionGraph(sound, "").edge_count(), testing::SmallModel()->edge_count());
+  const auto refusal = [&](auto spoil) -> std::string {
+    GraphContents contents = sound;
+    spoil(&contents);
+    try {
+      const MotionGraph graph(std::move(contents), "");
+    } catch (const std::invalid_argument& error) {
+      return error.what();
+    }
+    return "";
+  };
+  EXPECT_THAT(refusal([](GraphContents* c) {
+                c->edges[0].model.process.emplace(GaussianProcessKernel(), Eigen::MatrixXd::Zero(1, 3), Eigen::MatrixXd::Zero(3, 2), 0);
+              }), HasSubstr("edge 0: process"));
+  EXPECT_THAT(refusal([](GraphContents* c) { c->edges[0].model.residual_component.at(0) = 99; }), HasSubstr("edge 0: a residual"));
+  EXPECT_THAT(refusal([](GraphContents* c) { c->edges[1].model.linear(0, 0) = std::nanf(""); }), HasSubstr("edge 1"));
+  EXPECT_THAT(refusal([](GraphContents* c) { c->primitives[0].latent_radius = -1; }), HasSubstr("negative"));
+  EXPECT_THAT(refusal([](GraphContents* c) {
+                std::vector<int> active = c->layout.active_joints();
+                active.back() = active.front();
+                c->layout = PoseLayout(c->layout.shared_skeleton(), active);
+              }), HasSubstr("stands twice"));
+}
+
+TEST(ModelIo, VersionZeroDoesNotExist) {
+  std::string bytes = SerialiseModel(*testing::SmallModel());
+  bytes[8] = 0;
+  EXPECT_THAT(Reason(bytes), HasSubstr("version 0"));
 }
 
 }  // namespace

@@ -20,9 +20,9 @@ class TestService {
   /// Models and training are added to `service` before this.
   void Start() {
     router.emplace(AllRoutes(&service));
+    options_.ready = &service.ready;
     server_.emplace(*router, &service.metrics, options_);
     port = server_->Bind();
-    service.ready = true;
     thread_ = std::thread([this] { server_->Run(); });
   }
   ~TestService() {
