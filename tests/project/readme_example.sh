@@ -14,6 +14,7 @@ clean_up() {
 trap clean_up EXIT
 cd "$work"
 
+: > serve.log  # the server may be slower to make it than the loop below is to look
 "$program" serve --host 127.0.0.1 --port 0 > serve.log 2>&1 < /dev/null &
 server=$!
 address=
