@@ -21,6 +21,8 @@ constexpr double kMostLift = 0.25;  // m; walks lift the ball of the foot by 0.1
 constexpr int kFewestOfClip = 4;    // segments, to tell a slow first or last step by
 constexpr int kFrozenFrames = 3;
 constexpr double kFrozenSpeed = 0.3;  // m/s; of the pelvis, at the edge of frames that do not change at all
+constexpr double kUnchanged = 1e-6;   // m/s; held frames that were resampled differ by rounding, living ones by mm/s
+constexpr double kFrozenEdge_s = 0.06;  // resampling spreads the edge over a few frames; nobody stops within so short a time
 
 bool IsStance(KeyframeLabel label) {
   return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance;
@@ -107,13 +109,17 @@ struct Measures {
     const int last = std::min(clip.frame_count() - 2, static_cast<int>(std::floor(to)));
     const auto speed = [&](int f) { return (root.col(f + 1) - root.col(f)).norm() * rate; };
     for (int f = std::max(0, static_cast<int>(std::ceil(from))); f <= last; ++f) {
-      if (speed(f) > 0) continue;
+      if (speed(f) > kUnchanged) continue;
       int end = f, begin = f;
-      while (end + 1 < clip.frame_count() - 1 && speed(end + 1) == 0) ++end;
-      while (begin > 0 && speed(begin - 1) == 0) --begin;
-      const double before = begin > 0 ? speed(begin - 1) : 0;
-      const double after = end + 1 < clip.frame_count() - 1 ? speed(end + 1) : 0;
-      if (end - begin + 1 >= kFrozenFrames && std::max(before, after) > kFrozenSpeed) return true;
+      while (end + 1 < clip.frame_count() - 1 && speed(end + 1) <= kUnchanged) ++end;
+      while (begin > 0 && speed(begin - 1) <= kUnchanged) --begin;
+      const int edge = std::max(1, static_cast<int>(std::lround(kFrozenEdge_s * rate)));
+      double beside = 0;
+      for (int i = 1; i <= edge; ++i) {
+        if (begin - i >= 0) beside = std::max(beside, speed(begin - i));
+        if (end + i < clip.frame_count() - 1) beside = std::max(beside, speed(end + i));
+      }
+      if (end - begin + 1 >= kFrozenFrames && beside > kFrozenSpeed) return true;
       f = end;
     }
     return false;
