@@ -6,6 +6,7 @@
 
 #include "datasets/bend.h"
 #include "datasets/contact_detector.h"
+#include "datasets/eased_stop.h"
 #include "datasets/error_reason.h"
 #include "datasets/errors.h"
 #include "datasets/floor_leveling.h"
@@ -18,7 +19,13 @@ namespace {
 std::vector<AugmentedClip> CopiesOf(const MotionClip& clip, const AugmentationOptions& options) {
   if (clip.frame_count() < 2 || !clip.skeleton().roles().Missing(LocomotionRoles()).empty()) return {{clip, false}};
   std::vector<AugmentedClip> copies = {{LevelFloor(clip), false}};
-  if (options.mirror) copies.push_back({Mirrored(copies.front().clip), true});
+  if (const std::optional<int> hold = FindHold(copies.front().clip)) {
+    copies.push_back({EasedStop(copies.front().clip, *hold), true});
+  }
+  if (options.mirror) {
+    const size_t unmirrored = copies.size();
+    for (size_t i = 0; i < unmirrored; ++i) copies.push_back({Mirrored(copies[i].clip), true});
+  }
   const size_t unbent = copies.size();
   for (size_t i = 0; i < unbent; ++i) {
     const MotionClip straight = copies[i].clip;

@@ -19,10 +19,11 @@ AugmentationOptions AugmentationOf(const DatasetManifest& manifest);
 
 struct AugmentedClip {
   MotionClip clip;
-  bool made = false;  // mirrored or bent
+  bool made = false;  // a copy
 };
 
-/// The clips, each on a level floor and followed by its made copies: mirrored, then bent, then the mirrored one bent.
+/// The clips, each on a level floor and followed by its made copies: its end as a stop where it holds a pose (eased_stop.h), mirrored, then
+/// all of these bent.
 ///
 /// Clips whose skeleton has no leg roles pass unchanged. A clip that stands or turns by itself is bent like any other. Done on up to
 /// `jobs` threads; the order and the result do not depend on them.

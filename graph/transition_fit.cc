@@ -53,7 +53,11 @@ Eigen::MatrixXd ComponentChances(const Whitened& source, const Whitened& target,
   Eigen::MatrixXd chances(from.size(), to.size());
   for (int c = 0; c < to.size(); ++c) chances.col(c).setConstant(prior * std::exp(to.Component(c).log_weight));
   for (size_t i = 0; i < source.component.size(); ++i) chances(source.component[i], target.component[i]) += 1;
-  for (int c = 0; c < from.size(); ++c) chances.row(c) /= chances.row(c).sum();
+  const Eigen::RowVectorXd of_all = chances.colwise().sum();
+  for (int c = 0; c < from.size(); ++c) {
+    if (!(chances.row(c).sum() > 0)) chances.row(c) = of_all;  // without a prior: a component that no pair left
+    chances.row(c) /= chances.row(c).sum();
+  }
   return chances;
 }
 
@@ -166,7 +170,8 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
 
   TransitionModel model;
   model.pairs = count;
-  model.component_chances = ComponentChances(from, to, source, target, options.chance_prior);
+  // Where residuals stand for themselves, only components that have some may follow.
+  model.component_chances = ComponentChances(from, to, source, target, options.keep_marginal ? options.chance_prior : 0);
   model.residual_component = to.component;
 
   const std::vector<Eigen::Index> captured = CapturedPairs(pairs);

@@ -89,7 +89,9 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
   if (previous.gathers_speed) KeepInsideCapture(graph.primitive(previous.primitive), &source);
   const Eigen::VectorXd mean = transition.Mean(source);
   step.gathers_speed = BeginsIn(graph.primitive(previous.primitive)) != WalkBoundary::kWalking;
-  step.whitened = mean + DrawNoise(transition, step.component, rng);
+  step.whitened = mean;
+  // From gathering speed to a steady step that is drawn anywhere among them would be a leap: the most likely one leads over.
+  if (!previous.gathers_speed) step.whitened += DrawNoise(transition, step.component, rng);
   if (!step.gathers_speed) KeepInsideCapture(model, &step.whitened);
   const MixtureComponent& component = model.mixture.Component(step.component);
   step.latent = Colour(component, step.whitened);

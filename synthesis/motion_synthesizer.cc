@@ -10,6 +10,7 @@
 #include "synthesis/graph_walk.h"
 #include "synthesis/step_joiner.h"
 #include "synthesis/step_track.h"
+#include "synthesis/toe_bend.h"
 #include "synthesis/walk_sampler.h"
 
 namespace morphograph {
@@ -148,6 +149,7 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
 
   JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start);
   LockFeet(graph.styles()[style].feet, joined.contacts, {}, &joined.clip);
+  BendToes(&joined.clip);
 
   SynthesisResult result{std::move(joined.clip), {}};
   result.clip.style = graph.styles()[style].name;
