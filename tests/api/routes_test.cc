@@ -217,7 +217,9 @@ TEST_F(RoutesTest, AClipStartsAndStopsWhereTheModelCan) {
   EXPECT_THAT(report["steps"].front()["primitive"].get<std::string>(), ::testing::EndsWith("_first_start"));
   EXPECT_THAT(report["steps"].back()["primitive"].get<std::string>(), ::testing::EndsWith("_end"));
   EXPECT_NEAR(report["duration"].get<double>(), 6, 0.8);
-  for (const json& boundaries : json::parse(Get("/v1/models/walk").body)["boundaries"]) {
+  const json model = json::parse(Get("/v1/models/walk").body);
+  ASSERT_EQ(model["boundaries"].size(), 2u);
+  for (const json& boundaries : model["boundaries"]) {
     EXPECT_EQ(boundaries["start_from"], json({"walking", "standing"})) << boundaries["style"];
     EXPECT_EQ(boundaries["end"], json({"walking", "standing"})) << boundaries["style"];
   }
