@@ -9,6 +9,7 @@
 #include "datasets/resample.h"
 #include "graph/graph_builder.h"
 #include "synthesis/evaluation.h"
+#include "synthesis/graph_walk.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/set_quality.h"
 #include "tests/support/shared_data.h"
@@ -19,7 +20,33 @@ namespace {
 struct Judgement {
   SetQuality drawn, captured;
   SetComparison comparison;
+  double variance = 0;    // of whitened latents after many steps, where 1 is meant
+  double worst_mean = 0;  // largest mean of any of them, where 0 is meant
 };
+
+// 200 walks of 200 steps each, the first 20 left out; worst of the graph's primitives.
+void JudgeMarginal(const MotionGraph& graph, Judgement* judgement) {
+  std::mt19937_64 rng(1);
+  judgement->variance = 1;
+  std::vector<Eigen::VectorXd> sums(graph.primitive_count()), squares(graph.primitive_count());
+  std::vector<int> counts(graph.primitive_count(), 0);
+  for (int walk = 0; walk < 200; ++walk) {
+    WalkStep step = DrawFirstStep(graph, walk % graph.primitive_count(), rng);
+    for (int i = 0; i < 200; ++i) {
+      step = DrawNextStep(graph, step, graph.out_edges(step.primitive).front(), rng);
+      if (i < 20) continue;
+      if (counts[step.primitive]++ == 0) sums[step.primitive] = squares[step.primitive] = Eigen::VectorXd::Zero(step.whitened.size());
+      sums[step.primitive] += step.whitened;
+      squares[step.primitive] += step.whitened.cwiseAbs2();
+    }
+  }
+  for (int p = 0; p < graph.primitive_count(); ++p) {
+    if (counts[p] == 0) continue;  // a start: no walk comes back to it
+    const double variance = squares[p].mean() / counts[p];
+    if (std::abs(variance - 1) >= std::abs(judgement->variance - 1)) judgement->variance = variance;
+    judgement->worst_mean = std::max(judgement->worst_mean, sums[p].cwiseAbs().maxCoeff() / counts[p]);
+  }
+}
 
 // Learns from the clips and judges 100 walks of 10 s against them, on pieces of `piece_frames` at 30 fps.
 Judgement LearnAndJudge(std::vector<MotionClip> captured, int piece_frames) {
@@ -38,12 +65,16 @@ Judgement LearnAndJudge(std::vector<MotionClip> captured, int piece_frames) {
   for (MotionClip& clip : captured) {
     if (std::abs(clip.frame_rate_hz() - 30) > 0.03) clip = Resample(clip, 30);
   }
-  return {MeasureSet(drawn, {.piece_frames = piece_frames}), MeasureSet(captured, {.piece_frames = piece_frames}),
-          CompareSets(drawn, captured)};
+  Judgement judgement{MeasureSet(drawn, {.piece_frames = piece_frames}), MeasureSet(captured, {.piece_frames = piece_frames}),
+                      CompareSets(drawn, captured), 1, 0};
+  JudgeMarginal(*graph, &judgement);
+  return judgement;
 }
 
 void ExpectAsGoodAsCaptured(const Judgement& judgement) {
-  const auto& [drawn, captured, comparison] = judgement;
+  const auto& [drawn, captured, comparison, variance, worst_mean] = judgement;
+  EXPECT_NEAR(variance, 1, 0.05);
+  EXPECT_LT(worst_mean, 0.1);
   EXPECT_LE(drawn.contact_distance_m, 1.05 * captured.contact_distance_m);
   EXPECT_GE(drawn.naturalness, 0.8 * captured.naturalness);
   EXPECT_LE(drawn.naturalness, 1.2 * captured.naturalness);
