@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "datasets/dataset_loader.h"
+#include "datasets/noise_model.h"
+#include "graph/graph_builder.h"
+#include "graph/motion_graph.h"
+#include "primitives/keyframe_labels.h"
+
+namespace morphograph {
+
+struct StudyOptions {
+  bool quick = false;      // few clips, seeds and repetitions: shows that everything runs, its figures mean little
+  int jobs = 1;            // threads; no figure depends on them
+  std::uint64_t seed = 1;  // of noise, halves, samples and forests
+  NoiseOptions noise;
+  std::function<void(const std::string& stage, double fraction)> progress;
+};
+
+enum class StudyData { kClean, kNoisy };
+
+/// What every part of the study works on: the captured clips, the same with noise, and models learned from them, each made once.
+class StudyContext {
+ public:
+  /// @param clips  captured, as loaded; @param labels  of their key frames, may be empty.
+  StudyContext(std::vector<LoadedClip> clips, LabelledClips labels, StudyOptions options);
+
+  const StudyOptions& options() const { return options_; }
+  const LabelledClips& labels() const { return labels_; }
+  /// Clips as they were loaded, one a recording, with the first frame of the file that each begins with.
+  const std::vector<LoadedClip>& loaded() const { return loaded_; }
+  /// The same clips on a level floor (as training sees them); noisy ones have the noise of the options.
+  const std::vector<MotionClip>& clips(StudyData data) const;
+  /// Names of the styles, sorted; one empty name where the data has none.
+  const std::vector<std::string>& styles() const { return styles_; }
+
+  /// Learned from all clips.
+  std::shared_ptr<const MotionGraph> Model(StudyData data);
+  /// Learned from some clips, by position, under other options than the usual ones; not kept.
+  std::shared_ptr<const MotionGraph> Learn(StudyData data, const std::vector<int>& which, TrainingOptions options = {});
+
+  /// Clip positions in two halves, style by style, drawn by the seed: the same split for every part of the study.
+  const std::vector<int>& half(int which) const { return halves_[which]; }
+
+ private:
+  StudyOptions options_;
+  LabelledClips labels_;
+  std::vector<LoadedClip> loaded_;
+  std::vector<MotionClip> clips_[2];
+  std::vector<std::string> styles_;
+  std::vector<int> halves_[2];
+  std::shared_ptr<const MotionGraph> models_[2];
+};
+
+}  // namespace morphograph
