@@ -32,6 +32,13 @@ struct TrainingStep {
   bool slow_step = false;  // a start or an end that is a slow step of a walk (see Segment)
 };
 
+/// Whether a foot lands there while the other foot walks on.
+inline bool IsWalking(KeyframeLabel label) {
+  return label == KeyframeLabel::kLeftStance || label == KeyframeLabel::kRightStance;
+}
+/// A step between two landings, neither a start nor an end.
+inline bool IsWalkStep(const TrainingStep& step) { return IsWalking(step.start) && IsWalking(step.end); }
+
 /// Steps of one kind and style, indices into the list of steps.
 struct StepClass {
   std::string style;
