@@ -22,6 +22,7 @@ void AddInspect(CLI::App* program, Work* work);
 void AddSynthesize(CLI::App* program, Work* work);
 void AddEvaluate(CLI::App* program, Work* work);
 void AddKeyframes(CLI::App* program, Work* work);
+void AddStudy(CLI::App* program, Work* work);
 void AddServe(CLI::App* program, Work* work);
 /// Verbs of the contract that a later version brings.
 void AddPlanned(CLI::App* program, Work* work);

@@ -2,12 +2,11 @@
 
 #include <cstdint>
 #include <functional>
-#include <map>
 #include <memory>
-#include <mutex>
 #include <string>
 #include <vector>
 
+#include "datasets/augmentation.h"
 #include "datasets/dataset_loader.h"
 #include "datasets/noise_model.h"
 #include "graph/graph_builder.h"
@@ -21,15 +20,20 @@ struct StudyOptions {
   int jobs = 1;            // threads; no figure depends on them
   std::uint64_t seed = 1;  // of noise, halves, samples and forests
   NoiseOptions noise;
-  std::function<void(const std::string& stage, double fraction)> progress;
+  AugmentationOptions augmentation;     // copies that models learn from too, as the manifest says
+  std::string action = "walk";          // what models learn
+  KeyframeFinder find_keyframes = {};   // where steps begin, for models; by the features of the action when empty
+  std::function<void(const std::string& stage, double fraction)> progress = {};  // of the section at hand, [0, 1]
 };
 
 enum class StudyData { kClean, kNoisy };
 
-/// What every part of the study works on: the captured clips, the same with noise, and models learned from them, each made once.
+/// What every part of the study works on: the captured clips, the same with noise, and models learned from them, each made once. For one
+/// thread, which may use `options().jobs` of them.
 class StudyContext {
  public:
   /// @param clips  captured, as loaded; @param labels  of their key frames, may be empty.
+  /// @throws DatasetError naming a clip that cannot be studied (no leg roles, fewer than two frames), or when there is none.
   StudyContext(std::vector<LoadedClip> clips, LabelledClips labels, StudyOptions options);
 
   const StudyOptions& options() const { return options_; }
@@ -43,13 +47,16 @@ class StudyContext {
 
   /// Learned from all clips.
   std::shared_ptr<const MotionGraph> Model(StudyData data);
-  /// Learned from some clips, by position, under other options than the usual ones; not kept.
+  /// Learned from some clips, by position, under other options than the usual ones; not kept. Action and finder of key frames are the
+  /// study's unless `options` brings a finder. @throws DatasetError when nothing can be learned from them.
   std::shared_ptr<const MotionGraph> Learn(StudyData data, const std::vector<int>& which, TrainingOptions options = {});
 
   /// Clip positions in two halves, style by style, drawn by the seed: the same split for every part of the study.
   const std::vector<int>& half(int which) const { return halves_[which]; }
 
  private:
+  std::vector<MotionClip> Captured(StudyData data, const std::vector<int>& which) const;  // on the floor they were captured on
+
   StudyOptions options_;
   LabelledClips labels_;
   std::vector<LoadedClip> loaded_;

@@ -111,7 +111,7 @@ TEST_F(CliTest, WrongUsageIsStatus2) {
   ExpectFailure("keyframes " + Clip() + " --method learned", 2, "--labels");
   ExpectFailure("serve --model " + Model() + " --database postgres://x --port 0", 2, "sqlite");
   ExpectFailure("train --data " + Data() + " --action dance --out m.mgm --quiet", 2, "--action: 'dance'");
-  for (const std::string later : {"study", "sensors", "markers", "reconstruct"})
+  for (const std::string later : {"sensors", "markers", "reconstruct"})
     ExpectFailure(later + " --anything", 2, "does not exist yet");
 }
 
