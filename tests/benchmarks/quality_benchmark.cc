@@ -3,6 +3,7 @@
 //   quality_benchmark --data bnr/walk bnr/turns --model bnr.mgm   synthesised, style by style
 //   quality_benchmark --data bnr/walk bnr/turns --set drawn/      a folder of BVH
 //   quality_benchmark --data bnr/walk bnr/turns                   the captured clips themselves, and controls
+//   … --auc 6                                                     with a forest's AUC and its floor, over 6 halvings
 //
 // Captured and synthesised clips go through the same code. Figures that depend on the length of a clip are
 // taken on pieces of equal length. The Fréchet distance is given as a ratio to the one between two random
@@ -39,6 +40,7 @@
 #include "synthesis/set_quality.h"
 #include "synthesis/smoothness.h"
 #include "synthesis/style_classifier.h"
+#include "synthesis/window_classifier.h"
 
 namespace {
 
@@ -52,6 +54,7 @@ struct Options {
   int sanity = 1000;
   int trim = 30;
   int piece = 90;
+  int auc = 0;  // halvings; 0: none
   int jobs = 2;
   std::uint64_t seed = 1;
 };
@@ -109,6 +112,16 @@ morphograph::SetComparison PrintAgainst(const std::string& name, const Set& set,
               comparison.frechet, comparison.frechet_halves, comparison.frechet_ratio,
               comparison.residual_ratio, comparison.diversity / comparison.diversity_reference);
   return comparison;
+}
+
+// A forest's AUC between set and captured clips beside the floor; nothing unless asked for: it takes a second a halving.
+void PrintAuc(const std::string& name, const std::vector<MotionClip>& set, const std::vector<MotionClip>& captured,
+              const Options& options) {
+  if (options.auc == 0) return;
+  const morphograph::WindowDistinction told =
+      TellApart(set, captured, {.halvings = options.auc, .seed = options.seed, .jobs = options.jobs});
+  std::printf("%-26s %7d windows | AUC %.3f floor %.3f above it %+.3f (+- %.3f)\n", name.c_str(), told.windows, told.auc,
+              told.floor, told.difference, told.standard_error);
 }
 
 void PrintBody(const std::string& name, const Set& set) {
@@ -194,6 +207,15 @@ void SelfCheck(const std::vector<MotionClip>& captured, const Set& all,
   PrintAgainst("noise of 0.02 rad / all", Prepare(noisy, options), all, options.seed);
   for (const auto& [style, set] : by_style) {
     if (by_style.size() > 1) PrintAgainst("all styles / " + style, all, set, options.seed);
+  }
+  for (const auto& [style, set] : by_style) {
+    std::vector<MotionClip> disturbed;
+    for (const MotionClip& clip : set.clips) disturbed.push_back(Noisy(clip, 0.02, rng));
+    PrintAuc("noise of 0.02 rad / " + style, disturbed, set.clips, options);
+    if (by_style.size() > 1) {
+      const auto& other = &set == &by_style.begin()->second ? *by_style.rbegin() : *by_style.begin();
+      PrintAuc(other.first + " / " + style, other.second.clips, set.clips, options);
+    }
   }
 }
 
@@ -319,6 +341,9 @@ bool JudgeModel(const Set& all, const std::map<std::string, Set>& captured, cons
                    options.seed);
     }
   }
+  for (const auto& [style, set] : drawn) {
+    PrintAuc(style.empty() ? "(no style)" : style, set.clips, captured.at(style).clips, options);
+  }
   PrintBody("synthesised", pooled);
   if (drawn.size() > 1) {
     std::printf("\n");
@@ -413,6 +438,8 @@ int main(int argc, char** argv) {
       ->check(CLI::Range(0, 10000));
   app.add_option("--piece", options.piece, "frames of the pieces that are measured")
       ->check(CLI::Range(15, 100000));
+  app.add_option("--auc", options.auc, "halvings of the captured clips for a forest's AUC and its floor; 0: none")
+      ->check(CLI::Range(0, 1000));
   app.add_option("--jobs", options.jobs, "threads to read with")->check(CLI::Range(1, 256));
   app.add_option("--seed", options.seed, "of the first clip and of all random halves");
   CLI11_PARSE(app, argc, argv);
