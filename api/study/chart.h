@@ -34,6 +34,7 @@ struct Chart {
   std::vector<ChartMark> marks;
   bool log_x = false, log_y = false;
   bool y_from_zero = true;
+  std::vector<std::string> x_names;  // where x = 0, 1, … are kinds of things: their names, in place of numbers
 };
 
 /// Values over a grid, as colours, with curves drawn over it (x to the right = columns, y upwards = rows, in cells).
@@ -47,8 +48,13 @@ struct HeatMap {
   bool equal_scales = false;
 };
 
-/// The drawing as a self-contained SVG element for an HTML page: no script, text as text. Values that are not finite are left out.
+/// The drawing as an SVG element for an HTML page that holds DrawingCss(): no script, nothing to load, text as text. Values that are not
+/// finite, and those that are not positive on a log axis, are left out: curves have a gap there. Title and caption are for the page to
+/// show; here they are what a screen reader says. Of curves with more points than a screen can show, their outline is drawn.
 std::string ChartSvg(const Chart& chart);
 std::string HeatMapSvg(const HeatMap& map);
+
+/// Colours and line widths of the drawings, for light and dark pages; they take text and lines from --text, --quiet, --line and --page.
+std::string DrawingCss();
 
 }  // namespace morphograph

@@ -41,8 +41,13 @@ summary { cursor: pointer; }
 dl { display: grid; grid-template-columns: max-content 1fr; gap: .15rem 1.25rem; margin: 1rem 0; font-size: .95rem; }
 dt { color: var(--quiet); }
 dd { margin: 0; }
+.drawings { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 27rem), 1fr)); gap: 2rem 2.5rem; margin: 1.5rem 0; }
+figure { margin: 0; min-width: 0; max-width: 40rem; }
+figure > div { overflow-x: auto; }
+figure h3 { font-size: 1.05rem; line-height: 1.35; margin: 0 0 .5rem; }
+figcaption { color: var(--quiet); font-size: .9rem; line-height: 1.45; margin-top: .5rem; }
 @media (max-width: 40rem) { dl { grid-template-columns: 1fr; } dd { margin-bottom: .4rem; } }
-@media print { nav { display: none; } }
+@media print { nav { display: none; } figure { break-inside: avoid; } }
 )css";
 
 std::string Tag(const std::string& name, const std::string& text, const std::string& kind = "") {
@@ -117,6 +122,22 @@ std::string WhatWasRun(const StudyReport& report) {
   return html + "</dl>\n";
 }
 
+std::string Drawings(const StudySection& section) {
+  if (section.drawings.empty()) return "";
+  std::string html = "<div class=\"drawings\">\n";
+  for (const std::variant<Chart, HeatMap>& drawing : section.drawings) {
+    const auto figure = [&](const auto& drawn, const std::string& svg) {
+      html += "<figure>" + Tag("h3", drawn.title) + "<div>" + svg + "</div>" + Tag("figcaption", drawn.caption) + "</figure>\n";
+    };
+    if (const Chart* chart = std::get_if<Chart>(&drawing)) {
+      figure(*chart, ChartSvg(*chart));
+    } else {
+      figure(std::get<HeatMap>(drawing), HeatMapSvg(std::get<HeatMap>(drawing)));
+    }
+  }
+  return html + "</div>\n";
+}
+
 std::string AimText(const StudyFigure& figure) {
   if (figure.at_least && figure.at_most) return ShortNumber(*figure.at_least) + " to " + ShortNumber(*figure.at_most);
   if (figure.at_least) return "≥ " + ShortNumber(*figure.at_least);
@@ -155,7 +176,7 @@ std::string FigureTable(const StudyReport& report) {
 std::string StudyPage(const StudyReport& report) {
   std::string html =
       "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" content=\"width=device-width, "
-      "initial-scale=1\">\n" + Tag("title", "Morphograph study: " + Joined(report.data, ", ")) + "\n<style>" + kStyle + "</style>\n</head>\n<body>\n<main>\n";
+      "initial-scale=1\">\n" + Tag("title", "Morphograph study: " + Joined(report.data, ", ")) + "\n<style>" + kStyle + DrawingCss() + "</style>\n</head>\n<body>\n<main>\n";
   html += "<h1>The study</h1>\n<p class=\"lead\">How the motion that a model makes compares with the motion that it was learned from, "
           "measured as in the published evaluation (Du, 2014, chapter 4) and beyond it.</p>\n";
   if (report.quick) {
@@ -173,7 +194,7 @@ std::string StudyPage(const StudyReport& report) {
     html += "</ul></details>\n";
   }
   for (const StudySection& section : report.sections) {
-    html += "<section id=\"" + Escaped(section.id) + "\">\n" + Tag("h2", section.title) + "\n" + Paragraphs(section.text) + "</section>\n";
+    html += "<section id=\"" + Escaped(section.id) + "\">\n" + Tag("h2", section.title) + "\n" + Paragraphs(section.text) + Drawings(section) + "</section>\n";
   }
   return html + "</main>\n</body>\n</html>\n";
 }
