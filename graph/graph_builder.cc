@@ -1,12 +1,12 @@
 #include "graph/graph_builder.h"
 
 #include <algorithm>
-#include <map>
 
 #include "datasets/parallel_for.h"
 #include "graph/internal/training_progress.h"
 #include "graph/model_io.h"
 #include "graph/primitive_fit.h"
+#include "graph/step_pairs.h"
 #include "graph/training_set.h"
 #include "graph/transition_fit.h"
 
@@ -39,69 +39,31 @@ void NoteMissingPrimitives(const GraphContents& contents, std::vector<std::strin
   }
 }
 
-// Every step's class and place in it; -1 where its class was left out.
-struct Membership {
-  int group = -1;
-  int column = 0;
-};
-
-std::vector<GraphEdge> FitEdges(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps, const std::vector<StepClass>& classes,
-                                const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options, TrainingProgress* progress,
-                                std::vector<std::string>* notes) {
-  std::vector<Membership> place(steps.size());
-  for (size_t c = 0; c < classes.size(); ++c) {
-    for (size_t m = 0; m < classes[c].members.size(); ++m) {
-      place[classes[c].members[m]] = {static_cast<int>(c), static_cast<int>(m)};
-    }
-  }
-  struct Pair {
-    int from, to;  // columns
-    const PreparedClip* clip;
-  };
-  std::map<std::pair<int, int>, std::vector<Pair>> pairs;  // (from, to)
-  for (size_t i = 0; i < steps.size(); ++i) {
-    if (steps[i].previous < 0) continue;
-    const Membership from = place[steps[i].previous];
-    const Membership to = place[i];
-    if (from.group < 0 || to.group < 0) continue;
-    // Steps that still gather speed follow starts, and lead into ends; among steady kinds they would only disturb.
-    const bool both_walk = IsWalkStep(steps[i]) && IsWalkStep(steps[steps[i].previous]);
-    if (both_walk && !(steps[i].steady && steps[steps[i].previous].steady)) continue;
-    pairs[{from.group, to.group}].push_back({from.column, to.column, &clips[steps[i].clip]});
-  }
+std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options,
+                                TrainingProgress* progress, std::vector<std::string>* notes) {
+  std::vector<StepPairs> pairs = FindStepPairs(set);
+  std::erase_if(pairs, [&](const StepPairs& list) {
+    if (list.size() >= kFewestPairs) return false;
+    const StepClass &from = set.classes[list.from], &to = set.classes[list.to];
+    notes->push_back(Named(from.primitive, from.style) + " to " + Named(to.primitive, to.style) + ": seen " + std::to_string(list.size()) +
+                     " time, at least " + std::to_string(kFewestPairs) + " are needed for a transition; left out");
+    return true;
+  });
   std::vector<GraphEdge> edges;
-  std::vector<const std::vector<Pair>*> columns;
-  std::vector<double> leaving(classes.size(), 0);
-  for (const auto& [ends, list] : pairs) {
-    if (static_cast<int>(list.size()) < kFewestPairs) {
-      const StepClass &from = classes[ends.first], &to = classes[ends.second];
-      notes->push_back(Named(from.primitive, from.style) + " to " + Named(to.primitive, to.style) + ": seen " +
-                       std::to_string(list.size()) + " time, at least " + std::to_string(kFewestPairs) +
-                       " are needed for a transition; left out");
-      continue;
-    }
-    edges.push_back({ends.first, ends.second, {}});
-    columns.push_back(&list);
-    leaving[ends.first] += static_cast<double>(list.size());
+  std::vector<double> leaving(set.classes.size(), 0);
+  for (const StepPairs& list : pairs) {
+    edges.push_back({list.from, list.to, {}});
+    leaving[list.from] += list.size();
   }
   progress->Begin("transitions", 0.6, 0.95, static_cast<int>(edges.size()));
   ParallelFor(options.jobs, static_cast<int>(edges.size()), [&](int e) {
     const FittedPrimitive& from = fitted[edges[e].from];
     const FittedPrimitive& to = fitted[edges[e].to];
-    const int count = static_cast<int>(columns[e]->size());
-    TransitionPairs training{Eigen::MatrixXd(from.latents.rows(), count), Eigen::MatrixXd(to.latents.rows(), count), {}, {}};
-    for (int i = 0; i < count; ++i) {
-      const Pair& pair = (*columns[e])[i];
-      training.previous.col(i) = from.latents.col(pair.from);
-      training.next.col(i) = to.latents.col(pair.to);
-      training.clip.push_back(pair.clip->source);
-      training.made.push_back(pair.clip->made);
-    }
     TransitionFitOptions fit;
     // Steps after a start still gather speed: they are not the steady ones that their primitive was learned from.
     fit.keep_marginal = IsWalking(from.primitive.start) || !IsWalking(to.primitive.end);
-    edges[e].model = FitTransition(training, from.primitive.mixture, to.primitive.mixture, fit);
-    edges[e].model.probability = count / leaving[edges[e].from];
+    edges[e].model = FitTransition(LatentsOf(pairs[e], from.latents, to.latents), from.primitive.mixture, to.primitive.mixture, fit);
+    edges[e].model.probability = pairs[e].size() / leaving[edges[e].from];
     progress->Step();
   });
   return edges;
@@ -142,7 +104,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
     fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
     progress.Step();
   });
-  contents.edges = FitEdges(prepared, set.steps, classes, fitted, options, &progress, &notes);
+  contents.edges = FitEdges(set, fitted, options, &progress, &notes);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 
   NoteMissingPrimitives(contents, &notes);

@@ -12,7 +12,7 @@ struct ChartSeries {
   std::string name;  // in the key; equal names share a colour and one entry of the key
   std::vector<double> x, y;
   Form form = Form::kLine;
-  std::vector<double> y_low;  // kBand: the lower edge, `y` the upper one
+  std::vector<double> y_low = {};  // kBand: the lower edge, `y` the upper one
   bool dashed = false;
   bool faint = false;  // one of many curves of a kind
 };

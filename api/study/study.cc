@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "api/keyframe_examples.h"
+#include "api/study/transition_study.h"
 #include "api/training.h"
 #include "datasets/error_reason.h"
 #include "datasets/errors.h"
@@ -28,7 +29,9 @@ struct Part {
 };
 
 const std::vector<Part>& Parts() {
-  static const std::vector<Part> parts = {};
+  static const std::vector<Part> parts = {
+      {"transitions", "Transitions: what one step tells of the next", 30, StudyTransitions},
+  };
   return parts;
 }
 

@@ -14,11 +14,11 @@ namespace morphograph {
 struct StudyFigure {
   std::string what;                  // "contact distance, synthesised / captured, clean"
   std::optional<double> value;       // absent where the data do not allow it; `note` then says why
-  std::string unit;                  // "" for ratios
-  std::optional<double> published;   // the figure to beat
-  std::string source;                // of the published figure: "Du Table 4.4"
-  std::optional<double> at_least, at_most;  // what this project asks of itself
-  std::string note;                  // what differs from the published setting
+  std::string unit = {};                  // "" for ratios
+  std::optional<double> published = {};   // the figure to beat
+  std::string source = {};                // of the published figure: "Du Table 4.4"
+  std::optional<double> at_least = {}, at_most = {};  // what this project asks of itself
+  std::string note = {};                  // what differs from the published setting
   bool Holds() const {
     return value && (!at_least || *value >= *at_least) && (!at_most || *value <= *at_most);
   }
