@@ -60,6 +60,7 @@ std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<Fitted
     const FittedPrimitive& from = fitted[edges[e].from];
     const FittedPrimitive& to = fitted[edges[e].to];
     TransitionFitOptions fit;
+    fit.form = options.variant.transition;
     // Steps after a start still gather speed: they are not the steady ones that their primitive was learned from.
     fit.keep_marginal = IsWalking(from.primitive.start) || !IsWalking(to.primitive.end);
     edges[e].model = FitTransition(LatentsOf(pairs[e], from.latents, to.latents), from.primitive.mixture, to.primitive.mixture, fit);
@@ -100,7 +101,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
     const auto style = std::find_if(contents.styles.begin(), contents.styles.end(),
                                     [&](const GraphStyle& s) { return s.name == classes[c].style; });
     fitted[c] = FitPrimitive(prepared, set.steps, classes[c], set.layout, style->mean_rotations, set.channel_weights,
-                             {.variance_kept = options.variance_kept, .seed = options.seed});
+                             {.variance_kept = options.variance_kept, .seed = options.seed, .variant = options.variant});
     fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
     progress.Step();
   });

@@ -8,6 +8,7 @@
 
 #include "datasets/motion_clip.h"
 #include "graph/motion_graph.h"
+#include "graph/training_variant.h"
 #include "primitives/keyframe.h"
 
 namespace morphograph {
@@ -30,6 +31,7 @@ struct TrainingOptions {
   int jobs = 1;                   // threads; the result does not depend on it
   double variance_kept = 0.99;    // of the weighted PCA
   std::uint64_t seed = 1;         // of k-means++ starts
+  TrainingVariant variant = {};   // for studies of what each part of the method is worth
   std::string source, licence, attribution, command;  // provenance, kept in the model
   std::function<void(const std::string& stage, double fraction)> progress;  // fraction of the whole, [0, 1]
   const std::atomic<bool>* cancelled = nullptr;

@@ -30,6 +30,8 @@ constexpr size_t kCheckedBytes = 24;  // of the header; the checksum follows
 constexpr int kCompressionLevel = 12;
 constexpr std::uint64_t kLargestPayload = 1ull << 30;
 
+constexpr const char* kEulerName = "euler";  // of rotations; log maps are not named
+
 constexpr std::array kLabels = {KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance, KeyframeLabel::kDoubleStance,
                                 KeyframeLabel::kStanding};
 constexpr std::array kForms = {CovarianceForm::kFull, CovarianceForm::kTied, CovarianceForm::kDiagonal};
@@ -134,7 +136,7 @@ json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
   for (int e = 0; e < graph.edge_count(); ++e) {
     edges.push_back(EdgeToJson(graph.edge_from(e), graph.edge_to(e), graph.transition(e), arrays));
   }
-  return {{"name", graph.name()},
+  json model = {{"name", graph.name()},
           {"action", graph.action()},
           {"frame_rate_hz", graph.frame_rate_hz()},
           {"provenance",
@@ -150,6 +152,8 @@ json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
           {"styles", styles},
           {"primitives", primitives},
           {"edges", edges}};
+  if (graph.layout().rotation_form() == RotationForm::kEuler) model["rotations"] = kEulerName;
+  return model;
 }
 
 // ---- reading ----
@@ -256,7 +260,12 @@ GraphContents ContentsFromJson(const json& value, const ArrayReader& arrays) {
   for (const int joint : active) {
     if (joint < 0 || joint >= skeleton->joint_count()) throw std::runtime_error("an active joint does not exist");
   }
-  contents.layout = PoseLayout(skeleton, std::move(active));
+  RotationForm form = RotationForm::kLogMap;
+  if (value.contains("rotations")) {
+    if (value.at("rotations").get<std::string>() != kEulerName) throw std::runtime_error("rotations of an unknown form");
+    form = RotationForm::kEuler;
+  }
+  contents.layout = PoseLayout(skeleton, std::move(active), form);
   for (const json& style : value.at("styles")) contents.styles.push_back(StyleFromJson(style, arrays));
   for (const json& primitive : value.at("primitives")) {
     contents.primitives.push_back(PrimitiveFromJson(primitive, contents.styles, arrays));

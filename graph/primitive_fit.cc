@@ -26,15 +26,28 @@ ContactChances ContactsOf(const PreparedClip& clip, const StepSpan& span, const 
   return contacts;
 }
 
+// What lies outside of the step follows from what lies inside.
+void LightenMargins(int channels, Eigen::VectorXd* weights) {
+  constexpr double kNextToNothing = 1e-3;
+  for (int i = 0; i < kPhaseSamples; ++i) {
+    const double phase = PhaseOfSample(i);
+    if (phase < 0 || phase > 1) weights->segment(i * channels, channels) *= kNextToNothing;
+  }
+}
+
 }  // namespace
 
 FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps, const StepClass& members,
                              const PoseLayout& layout, const MeanRotations& means, const Eigen::VectorXd& channel_weights,
                              const PrimitiveFitOptions& options) {
   const int count = static_cast<int>(members.members.size());
-  const AlignedClass aligned = AlignClass(clips, steps, members, layout, means);
+  AlignedClass aligned = AlignClass(clips, steps, members, layout, means);
   const std::vector<int>& steady = aligned.steady;
-  const Eigen::MatrixXd& vectors = aligned.vectors;
+  Eigen::MatrixXd& vectors = aligned.vectors;
+  if (!options.variant.timing) {
+    const Eigen::VectorXd mean = vectors(Eigen::all, steady).bottomRows(kTimingValues).rowwise().mean();
+    vectors.bottomRows(kTimingValues).colwise() = mean;
+  }
   FittedPrimitive fitted;
   MotionPrimitive& primitive = fitted.primitive;
   for (const int i : steady) {
@@ -57,7 +70,8 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   primitive.initial_weight = primitive.examples;
 
   const Eigen::MatrixXd steady_vectors = vectors(Eigen::all, steady);
-  const Eigen::VectorXd weights = StepWeights(channel_weights);
+  Eigen::VectorXd weights = StepWeights(channel_weights);
+  if (!options.variant.margins) LightenMargins(layout.channels(), &weights);
   const WeightedPca pca = FitWeightedPca(steady_vectors, weights.cwiseAbs2(), {.variance_kept = options.variance_kept});
   if (pca.components() == 0) {
     throw DatasetError(members.primitive, "its " + std::to_string(steady.size()) +

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "graph/training_steps.h"
+#include "graph/training_variant.h"
 #include "primitives/motion_primitive.h"
 #include "primitives/step_vector.h"
 
@@ -13,6 +14,7 @@ struct PrimitiveFitOptions {
   double variance_kept = 0.99;
   int largest_mixture = 4;
   std::uint64_t seed = 1;
+  TrainingVariant variant = {};
 };
 
 /// A primitive and what its training steps became.

@@ -5,7 +5,6 @@
 
 #include "datasets/forward_kinematics.h"
 #include "primitives/frame_distance.h"
-#include "primitives/rotation_math.h"
 #include "primitives/step_vector.h"
 
 namespace morphograph {
@@ -33,7 +32,7 @@ PoseClouds AlignmentPoses(const StepSampler& sampler, const PoseLayout& layout, 
   for (int i = 0; i < kAlignmentFrames; ++i) {
     for (size_t n = 0; n < layout.active_joints().size(); ++n) {
       const int joint = layout.active_joints()[n];
-      rotations[joint] = ExpMapAbout(means[joint], poses.block<3, 1>(3 + 3 * static_cast<Eigen::Index>(n), i));
+      rotations[joint] = layout.RotationOf(n, means[joint], poses.block<3, 1>(3 + 3 * static_cast<Eigen::Index>(n), i));
     }
     ForwardKinematics(layout.skeleton(), rotations.data(), poses.block<3, 1>(0, i), &pose);
     clouds.push_back(pose.positions);

@@ -138,6 +138,9 @@ TrainingSet PrepareTrainingSet(const std::vector<TrainingClip>& clips, const Tra
     throw DatasetError(options.name, "no clip is long enough to learn from" + (set.notes.empty() ? "" : ": " + set.notes.front()));
   }
   progress->Begin("steps", 0.2, 0.25, 1);
+  if (!options.variant.styles) {
+    for (PreparedClip& clip : set.clips) clip.clip.style.clear();
+  }
   set.steps = FindSteps(set.clips, options.jobs, options.action, options.find_keyframes);
   for (std::string& note : SettleSlowSteps(set.clips, options.action, kFewestStarts, &set.steps)) set.notes.push_back(std::move(note));
   set.classes = UsableClasses(set.clips, set.steps, &set.notes);
@@ -147,9 +150,11 @@ TrainingSet PrepareTrainingSet(const std::vector<TrainingClip>& clips, const Tra
   }
   progress->Step();
 
-  set.layout = PoseLayout(set.clips.front().clip.shared_skeleton(), FindActiveJoints(set.clips));
+  set.layout = PoseLayout(set.clips.front().clip.shared_skeleton(), FindActiveJoints(set.clips),
+                          options.variant.euler ? RotationForm::kEuler : RotationForm::kLogMap);
   set.styles = MakeStyles(set.clips, set.steps, set.classes, set.layout, options.action);
-  set.channel_weights = set.layout.ChannelWeights(set.styles.front().mean_rotations);
+  set.channel_weights = options.variant.weighted ? set.layout.ChannelWeights(set.styles.front().mean_rotations)
+                                                 : Eigen::VectorXd::Ones(set.layout.channels());
   return set;
 }
 

@@ -150,6 +150,19 @@ Eigen::MatrixXd Recoloured(const Eigen::MatrixXd& residuals, const Eigen::Matrix
   return energy > 0 ? Eigen::MatrixXd(std::sqrt(wanted.trace() / energy) * recoloured) : recoloured;
 }
 
+// The next step comes from the target's mixture, whatever the one before was.
+TransitionModel IndependentTransition(int pairs, const GaussianMixture& source, const GaussianMixture& target) {
+  TransitionModel model;
+  model.pairs = pairs;
+  model.component_chances.resize(source.size(), target.size());
+  for (int c = 0; c < target.size(); ++c) model.component_chances.col(c).setConstant(std::exp(target.Component(c).log_weight));
+  model.linear = Eigen::MatrixXf::Zero(target.dimension(), source.dimension());
+  model.residuals.resize(target.dimension(), 0);  // drawn from the normal distribution then
+  model.noise_cholesky = Eigen::MatrixXd::Identity(target.dimension(), target.dimension());
+  model.noise_variance = model.unseen_error = 1;
+  return model;
+}
+
 }  // namespace
 
 TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixture& source, const GaussianMixture& target,
@@ -164,6 +177,10 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   if (!fits(pairs.clip.size()) || !fits(pairs.made.size())) {
     throw std::invalid_argument("FitTransition: needs the clip of every pair, or of none");
   }
+  using Form = TrainingVariant::Transition;
+  if (options.form == Form::kNone) return IndependentTransition(static_cast<int>(pairs.next.cols()), source, target);
+  const bool stationary = options.form == Form::kStationary;
+  const bool keep_marginal = options.keep_marginal && stationary;
   const Whitened from = Whiten(pairs.previous, source);
   const Whitened to = Whiten(pairs.next, target);
   const int count = static_cast<int>(pairs.previous.cols());
@@ -171,20 +188,20 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   TransitionModel model;
   model.pairs = count;
   // Where residuals stand for themselves, only components that have some may follow.
-  model.component_chances = ComponentChances(from, to, source, target, options.keep_marginal ? options.chance_prior : 0);
+  model.component_chances = ComponentChances(from, to, source, target, keep_marginal ? options.chance_prior : 0);
   model.residual_component = to.component;
 
   const std::vector<Eigen::Index> captured = CapturedPairs(pairs);
   const Eigen::MatrixXd captured_from = from.values(Eigen::all, captured), captured_to = to.values(Eigen::all, captured);
   GaussianProcess used = GaussianProcess::Condition(internal::SearchLinearKernel(captured_from, captured_to), from.values, to.values);
   Eigen::MatrixXd residuals = UnseenResiduals(used, from.values, to.values, pairs.clip);
-  if (count >= options.min_pairs_for_process) {
-    const GaussianProcessOptions with_linear{.linear = true, .min_noise_ratio = 0.05};
+  if (!stationary || count >= options.min_pairs_for_process) {
+    const GaussianProcessOptions with_linear{.linear = stationary, .min_noise_ratio = 0.05};
     GaussianProcess both = GaussianProcess::Condition(internal::SearchKernel(captured_from, captured_to, with_linear), from.values,
                                                       to.values);
     model.length_scale = both.kernel().length_scale;
     Eigen::MatrixXd of_both = UnseenResiduals(both, from.values, to.values, pairs.clip);
-    if (of_both.squaredNorm() < (1 - options.process_gain) * residuals.squaredNorm()) {
+    if (!stationary || of_both.squaredNorm() < (1 - options.process_gain) * residuals.squaredNorm()) {
       used = std::move(both);
       residuals = std::move(of_both);
     }
@@ -207,14 +224,14 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   }
 
   // Cov(A w + f(w)) + noise = I keeps the marginal.
-  if (options.keep_marginal) Centre(to.component, &residuals);
+  if (keep_marginal) Centre(to.component, &residuals);
   const Explained explained = ExplainedBy(linear, model.process);
   const Eigen::MatrixXd wanted = SymmetricPower(
       Eigen::MatrixXd::Identity(linear.rows(), linear.rows()) - explained.covariance, 1.0, options.smallest_noise);
-  if (options.keep_marginal) residuals = Recoloured(residuals, wanted, options.smallest_noise).colwise() - explained.mean;
+  if (keep_marginal) residuals = Recoloured(residuals, wanted, options.smallest_noise).colwise() - explained.mean;
   model.residuals = residuals.cast<float>();
   // Where the residuals are kept as captured, so is their density.
-  const Eigen::LLT<Eigen::MatrixXd> llt(options.keep_marginal ? wanted
+  const Eigen::LLT<Eigen::MatrixXd> llt(keep_marginal ? wanted
                                                               : SymmetricPower(ShrunkMoments(residuals), 1.0, options.smallest_noise));
   if (llt.info() != Eigen::Success) throw std::runtime_error("FitTransition: noise covariance is not positive definite");
   model.noise_cholesky = llt.matrixL();

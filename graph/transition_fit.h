@@ -2,12 +2,14 @@
 
 #include <vector>
 
+#include "graph/training_variant.h"
 #include "graph/transition_model.h"
 #include "primitives/gaussian_mixture.h"
 
 namespace morphograph {
 
 struct TransitionFitOptions {
+  TrainingVariant::Transition form = TrainingVariant::Transition::kStationary;
   double largest_gain = 0.97;   // singular values of the linear part stay below
   double smallest_noise = 0.02; // eigenvalues of the noise covariance stay above (whitened units)
   double chance_prior = 1.0;    // pseudo-counts of the component chain, spread by the target's component weights

@@ -1,9 +1,12 @@
 #include "primitives/pose_layout.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/euler.h"
 #include "datasets/forward_kinematics.h"
+#include "primitives/rotation_math.h"
 
 namespace morphograph {
 namespace {
@@ -24,13 +27,27 @@ bool IsBelow(const Skeleton& skeleton, int joint, int ancestor) {
   return false;
 }
 
+// Axes of the joint's rotation channels; those that it has none for follow.
+EulerOrder OrderOf(const Joint& joint) {
+  std::vector<int> axes;
+  for (const Channel channel : joint.channels) {
+    const int axis = static_cast<int>(channel) - static_cast<int>(Channel::kXRotation);
+    if (axis >= 0 && std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
+  }
+  for (const int axis : {2, 0, 1}) {
+    if (std::find(axes.begin(), axes.end(), axis) == axes.end()) axes.push_back(axis);
+  }
+  return {axes[0], axes[1], axes[2]};
+}
+
 }  // namespace
 
-PoseLayout::PoseLayout(std::shared_ptr<const Skeleton> skeleton, std::vector<int> active_joints)
-    : skeleton_(std::move(skeleton)), active_joints_(std::move(active_joints)) {
+PoseLayout::PoseLayout(std::shared_ptr<const Skeleton> skeleton, std::vector<int> active_joints, RotationForm rotation_form)
+    : skeleton_(std::move(skeleton)), active_joints_(std::move(active_joints)), rotation_form_(rotation_form) {
   if (active_joints_.empty() || active_joints_[0] != skeleton_->moving_root()) {
     throw std::invalid_argument("PoseLayout: the first active joint must be the moving root");
   }
+  for (const int joint : active_joints_) euler_orders_.push_back(OrderOf(skeleton_->joint(joint)));
   const RoleMap& roles = skeleton_->roles();
   if (roles.Has(JointRole::kLeftHip) && roles.Has(JointRole::kRightHip)) {
     const std::vector<Eigen::Quaterniond> rest_rotations(skeleton_->joint_count(), Eigen::Quaterniond::Identity());
@@ -56,6 +73,15 @@ Eigen::VectorXd PoseLayout::ChannelWeights(const std::vector<Eigen::Quaterniond>
     weights.segment<3>(3 + 3 * i).setConstant(std::max(kLeafWeight, std::sqrt(2.0 / 3.0 * sum)));
   }
   return weights;
+}
+
+Eigen::Vector3d PoseLayout::ChannelsOf(size_t n, const Eigen::Quaterniond& mean, const Eigen::Quaterniond& rotation,
+                                       const Eigen::Vector3d& previous) const {
+  return rotation_form_ == RotationForm::kEuler ? EulerNear(rotation, euler_orders_[n], previous) : LogMapAbout(mean, rotation);
+}
+
+Eigen::Quaterniond PoseLayout::RotationOf(size_t n, const Eigen::Quaterniond& mean, const Eigen::Vector3d& channels) const {
+  return rotation_form_ == RotationForm::kEuler ? QuaternionFromEuler(channels, euler_orders_[n]) : ExpMapAbout(mean, channels);
 }
 
 double PoseLayout::HeadingOf(const Eigen::Quaterniond& world_from_root) const {

@@ -58,8 +58,11 @@ StepSampler::StepSampler(const MotionClip& clip, const PoseLayout& layout, const
     values_.block<3, 1>(0, column) = step_from_world * (clip.root_positions().col(f) - frame.origin);
     for (size_t i = 0; i < joints.size(); ++i) {
       const Eigen::Quaterniond& local = clip.rotation(f, joints[i]);
-      values_.block<3, 1>(3 + 3 * static_cast<Eigen::Index>(i), column) =
-          LogMapAbout(means[joints[i]], i == 0 ? step_from_world * local : local);
+      const Eigen::Index row = 3 + 3 * static_cast<Eigen::Index>(i);
+      Eigen::Vector3d previous = Eigen::Vector3d::Zero();
+      if (column > 0) previous = values_.block<3, 1>(row, column - 1);
+      values_.block<3, 1>(row, column) =
+          layout.ChannelsOf(i, means[joints[i]], i == 0 ? step_from_world * local : local, previous);
     }
   }
 }

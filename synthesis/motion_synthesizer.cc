@@ -89,8 +89,9 @@ std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnS
     const int first = k > 0 ? std::max(0, static_cast<int>(std::floor(walk[k].start - before))) : 0;
     // The last step, where it ends the walk, is followed by its margin.
     const int last = k + 1 < walk.size() ? std::min(frames, static_cast<int>(std::ceil(walk[k].end + after))) : frames;
-    tracks.push_back(LayOutStep(graph.primitive(walk[k].step.primitive), walk[k].shape, walk[k].start, rate_hz, first,
-                                std::max(first, last)));
+    const MotionPrimitive& primitive = graph.primitive(walk[k].step.primitive);
+    tracks.push_back(LayOutStep(primitive, walk[k].shape, walk[k].start, rate_hz, first, std::max(first, last)));
+    ToLogMaps(graph.layout(), graph.styles()[primitive.style_index].mean_rotations, &tracks.back());
   }
   return tracks;
 }
@@ -131,7 +132,7 @@ std::optional<std::pair<std::string, std::string>> SynthesisRequest::FirstProble
   return std::nullopt;
 }
 
-SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& request) {
+SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& request, const SynthesisVariant& variant) {
   if (const auto problem = request.FirstProblem()) {
     throw std::invalid_argument("SynthesisRequest: " + problem->first + " " + problem->second);
   }
@@ -147,8 +148,8 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
                                         .frame_rate_hz = rate_hz},
                                        rng);
 
-  JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start);
-  LockFeet(graph.styles()[style].feet, joined.contacts, {}, &joined.clip);
+  JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start, variant.cross_fade);
+  if (variant.foot_lock) LockFeet(graph.styles()[style].feet, joined.contacts, {}, &joined.clip);
   BendToes(&joined.clip);
 
   SynthesisResult result{std::move(joined.clip), {}};

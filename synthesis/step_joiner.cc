@@ -50,10 +50,11 @@ struct Mix {
 
 class MixFinder {
  public:
-  MixFinder(const std::vector<StepTrack>& tracks, double frame_rate_hz) : tracks_(tracks) {
+  MixFinder(const std::vector<StepTrack>& tracks, double frame_rate_hz, bool cross_fade) : tracks_(tracks) {
     for (size_t k = 0; k + 1 < tracks.size(); ++k) {
-      half_widths_.push_back(CrossFadeHalfWidth(tracks[k].end - tracks[k].start, tracks[k + 1].end - tracks[k + 1].start,
-                                                frame_rate_hz));
+      half_widths_.push_back(cross_fade ? CrossFadeHalfWidth(tracks[k].end - tracks[k].start,
+                                                             tracks[k + 1].end - tracks[k + 1].start, frame_rate_hz)
+                                        : kHardCutHalfWidth);
     }
   }
 
@@ -74,7 +75,7 @@ class MixFinder {
 }  // namespace
 
 JoinedSteps JoinSteps(const MotionGraph& graph, const std::vector<StepTrack>& tracks, int frames, double frame_rate_hz,
-                      const StartPose& start) {
+                      const StartPose& start, bool cross_fade) {
   const PoseLayout& layout = graph.layout();
   const auto& joints = layout.active_joints();
   const auto means_of = [&](int k) -> const MeanRotations& {
@@ -88,7 +89,7 @@ JoinedSteps JoinSteps(const MotionGraph& graph, const std::vector<StepTrack>& tr
   JoinedSteps joined{MotionClip(graph.shared_skeleton(), frame_rate_hz, frames), Eigen::Matrix4Xd::Zero(4, frames)};
   double heading = start.heading_rad;
   Eigen::Vector2d position = start.position_m;
-  MixFinder mixes(tracks, frame_rate_hz);
+  MixFinder mixes(tracks, frame_rate_hz, cross_fade);
   for (int f = 0; f < frames; ++f) {
     const Mix mix = mixes.At(f);
     const bool blended = mix.second_weight > 0;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "primitives/cubic_resample.h"
+#include "primitives/rotation_math.h"
 #include "primitives/time_warp.h"
 
 namespace morphograph {
@@ -48,6 +49,17 @@ StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, d
     track.contacts.col(i) = (1 - t) * primitive.contacts.col(sample) + t * primitive.contacts.col(sample + 1);
   }
   return track;
+}
+
+void ToLogMaps(const PoseLayout& layout, const MeanRotations& means, StepTrack* track) {
+  if (layout.rotation_form() == RotationForm::kLogMap) return;
+  for (size_t n = 0; n < layout.active_joints().size(); ++n) {
+    const Eigen::Quaterniond& mean = means[layout.active_joints()[n]];
+    for (int f = 0; f < track->frames(); ++f) {
+      auto channels = track->poses.block<3, 1>(3 + 3 * static_cast<Eigen::Index>(n), f);
+      channels = LogMapAbout(mean, layout.RotationOf(n, mean, channels));
+    }
+  }
 }
 
 }  // namespace morphograph

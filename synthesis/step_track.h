@@ -21,6 +21,8 @@ struct StepTrack {
 /// Half width of the cross-fade between two steps, in frames: about 83 ms (METHODS section 3), less where steps are so short that
 /// their margins would not reach.
 double CrossFadeHalfWidth(double frames_before, double frames_after, double frame_rate_hz);
+/// In place of it where steps are cut without a cross-fade.
+inline constexpr double kHardCutHalfWidth = 1e-9;
 
 /// Margins of a step as parts of its duration: a quarter of the canonical timeline at the speed that the warp has at that end.
 double MarginBefore(const StepShape& shape);
@@ -30,5 +32,8 @@ double MarginAfter(const StepShape& shape);
 /// Frames beyond the step's margins repeat the margin's last pose.
 StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
                      int first_frame, int last_frame);
+
+/// Turns rotations of another form (see RotationForm) into log maps about the style's means, for those that follow.
+void ToLogMaps(const PoseLayout& layout, const MeanRotations& means, StepTrack* track);
 
 }  // namespace morphograph
