@@ -30,7 +30,7 @@ struct Part {
 
 const std::vector<Part>& Parts() {
   static const std::vector<Part> parts = {
-      {"transitions", "Transitions: what one step tells of the next", 30, StudyTransitions},
+      {"transitions", "transitions", 30, StudyTransitions},
   };
   return parts;
 }

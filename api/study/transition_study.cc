@@ -235,22 +235,20 @@ Chart ByMethod(const std::vector<std::pair<std::string, Verdicts>>& verdicts, co
 Chart CalibrationChart(const Verdicts& verdicts) {
   Chart chart;
   chart.title = "Calibration of the predicted variance, clean clips";
-  chart.x_label = "part of next steps that should lie inside the interval";
-  chart.y_label = "part that does";
-  chart.caption = "Central intervals of every size around the predicted mean, over all components of all held-out pairs. On the dashed line the variance is "
-                  "right; above it, too large; below it, too small.";
+  chart.x_label = "part of next steps that should lie inside the interval, %";
+  chart.y_label = "part that does, less the part that should, percentage points";
+  chart.caption = "Central intervals of every size around the predicted mean, over all components of all held-out pairs. At 0 the variance is right; "
+                  "above, it is too large; below, too small.";
   std::vector<double> parts = NominalParts();
-  parts.insert(parts.begin(), 0.0);
-  parts.push_back(1.0);
-  ChartSeries perfect{"as it should be", {0, 1}, {0, 1}};
-  perfect.dashed = true;
-  for (int m = 0; m < kMethods; ++m) {
-    std::vector<double> inside = verdicts[static_cast<size_t>(m)].inside;
-    inside.insert(inside.begin(), 0.0);
-    inside.push_back(1.0);
-    chart.series.push_back({kNames[static_cast<size_t>(m)], parts, std::move(inside)});
+  for (size_t m = 0; m < kMethods; ++m) {
+    ChartSeries line{kNames[m], {}, {}};
+    for (size_t i = 0; i < parts.size(); ++i) {
+      line.x.push_back(100 * parts[i]);
+      line.y.push_back(100 * (verdicts[m].inside[i] - parts[i]));
+    }
+    chart.series.push_back(std::move(line));
   }
-  chart.series.push_back(std::move(perfect));
+  chart.marks.push_back({"as it should be", 0});
   return chart;
 }
 

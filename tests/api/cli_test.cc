@@ -177,6 +177,50 @@ TEST_F(CliTest, FailuresSayWhereAndLeaveNothingBehind) {
   ExpectFailure("serve --model damaged.mgm --port 0", 1, "damaged.mgm");
 }
 
+TEST_F(CliTest, StudyWritesAPageAndJsonThatDoNotDependOnThreads) {
+  const std::string study = "study --quick --quiet --data " + Data() + " --seed 3 ";
+  ASSERT_EQ(Run(study + "--jobs 1 --out one/new").status, 0);
+  ASSERT_EQ(Run(study + "--jobs 2 --out two").status, 0);
+  EXPECT_THAT(Listing(), ElementsAre("one", "one/new", "one/new/index.html", "one/new/study.json", "two", "two/index.html", "two/study.json"));
+  json one = json::parse(ReadFile(Path("one/new/study.json"))), two = json::parse(ReadFile(Path("two/study.json")));
+  EXPECT_EQ(one["times"]["jobs"], 1);
+  EXPECT_EQ(two["times"]["jobs"], 2);
+  one.erase("times");
+  two.erase("times");
+  EXPECT_EQ(one, two);
+  EXPECT_EQ(one["data"]["clips"], 12);
+  EXPECT_EQ(one["data"]["styles"][0]["name"], "brisk");
+  EXPECT_EQ(one["seed"], 3);
+  // The mixture alone misses by itself; what was learned from one step to the next is told apart from it.
+  const json& transitions = one["sections"]["transitions"]["data"]["clean"];
+  EXPECT_NEAR(transitions["none"]["relative_error"].get<double>(), 1, 1e-9);
+  EXPECT_GT(transitions["edges"].size(), 0u);
+  EXPECT_THAT(ReadFile(Path("two/index.html")), HasSubstr("id=\"transitions\""));
+}
+
+TEST_F(CliTest, StudySaysWhatItCannotDoAndLeavesNothingBehind) {
+  folder_.Write("file", "precious");
+  folder_.Write("short/one.bvh", ReadFile(shared_->path() / "data/walk_brisk_000.bvh").substr(0, 5000));
+  folder_.Write("labels.json", R"({"some_other_clip": [{"frame": 3, "label": "left_strike"}]})");
+  // A second of one walk teaches nothing.
+  MotionClip clip = testing::SmallWalks().front().second;
+  folder_.Write("little/a_brisk_001.bvh", WriteBvh(ExportClip(clip.Slice(0, 30))));
+  ExpectFailure("study --out s", 2, "--data");
+  ExpectFailure("study --data " + Data(), 2, "--out");
+  ExpectFailure("study --data " + Data() + " --out s --seed=-1", 2, "--seed");
+  ExpectFailure("study --data " + Data() + " --out s --jobs 1000", 2, "--jobs");
+  const std::string quiet = "study --quick --quiet --out s --data ";
+  ExpectFailure(quiet + "nowhere", 1, "nowhere");
+  ExpectFailure(quiet + "short", 1, "one.bvh");
+  ExpectFailure(quiet + "little", 1, "enough examples");
+  ExpectFailure(quiet + Data() + " --labels none.json", 1, "none.json");
+  ExpectFailure(quiet + Data() + " --labels labels.json", 1, "labels.json");
+  ExpectFailure(quiet + Data() + " --manifest none.json", 1, "none.json");
+  ExpectFailure("study --quick --quiet --data " + Data() + " --out file", 1, "file: is a file, not a folder");
+  ExpectFailure("study --quick --quiet --data " + Data() + " --out file/in", 1, "file");
+  EXPECT_EQ(ReadFile(Path("file")), "precious");
+}
+
 TEST_F(CliTest, AFailureLeavesAnExistingFileWhole) {
   folder_.Write("a.bvh", "precious");
   ExpectFailure("synthesize --model " + Model() + " --steps 2 --style moonwalk --out a.bvh", 1, "moonwalk");
