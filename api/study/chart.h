@@ -10,7 +10,7 @@ namespace morphograph {
 struct ChartSeries {
   enum class Form { kLine, kPoints, kBars, kBand };
   std::string name;  // in the key; equal names share a colour and one entry of the key
-  std::vector<double> x, y;
+  std::vector<double> x = {}, y = {};
   Form form = Form::kLine;
   std::vector<double> y_low = {};  // kBand: the lower edge, `y` the upper one
   bool dashed = false;
@@ -28,13 +28,13 @@ struct ChartMark {
 struct Chart {
   std::string title;
   std::string x_label, y_label;
-  std::string better;   // "lower", "higher" or empty: said beside the y axis
-  std::string caption;  // what is seen, in a sentence or two; under the chart
-  std::vector<ChartSeries> series;
-  std::vector<ChartMark> marks;
+  std::string better = {};   // "lower", "higher" or empty: said beside the y axis
+  std::string caption = {};  // what is seen, in a sentence or two; under the chart
+  std::vector<ChartSeries> series = {};
+  std::vector<ChartMark> marks = {};
   bool log_x = false, log_y = false;
   bool y_from_zero = true;
-  std::vector<std::string> x_names;  // where x = 0, 1, … are kinds of things: their names, in place of numbers
+  std::vector<std::string> x_names = {};  // where x = 0, 1, … are kinds of things: their names, in place of numbers
 };
 
 /// Values over a grid, as colours, with curves drawn over it (x to the right = columns, y upwards = rows, in cells).

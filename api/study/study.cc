@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "api/keyframe_examples.h"
+#include "api/study/sample_study.h"
 #include "api/study/transition_study.h"
 #include "api/training.h"
 #include "datasets/error_reason.h"
@@ -31,6 +32,10 @@ struct Part {
 const std::vector<Part>& Parts() {
   static const std::vector<Part> parts = {
       {"transitions", "transitions", 30, StudyTransitions},
+      {"feet_and_flow", "feet and flow of the samples", 20, StudyFeetAndFlow},
+      {"likeness", "likeness of synthesised and captured clips", 100, StudyLikeness},
+      {"long_walks", "walks of 200 steps", 10, StudyLongWalks},
+      {"ablations", "ablations", 150, StudyAblations},
   };
   return parts;
 }

@@ -28,10 +28,10 @@ struct StudyFigure {
 struct StudySection {
   std::string id;     // of the member in study.json and of the anchor on the page: "alignment"
   std::string title;
-  std::string text;   // plain paragraphs, a blank line between them: what was done, how it is read
-  std::vector<std::variant<Chart, HeatMap>> drawings;
-  std::vector<StudyFigure> figures;
-  nlohmann::ordered_json data;  // everything behind the drawings, and more
+  std::string text = {};   // plain paragraphs, a blank line between them: what was done, how it is read
+  std::vector<std::variant<Chart, HeatMap>> drawings = {};
+  std::vector<StudyFigure> figures = {};
+  nlohmann::ordered_json data = {};  // everything behind the drawings, and more
 };
 
 }  // namespace morphograph

@@ -1,0 +1,320 @@
+// Synthesised against captured clips as sets: Fréchet distance, diversity, classifier. METHODS section 6.
+
+#include <algorithm>
+#include <cstdio>
+
+#include "api/study/sample_sets.h"
+#include "api/study/sample_study.h"
+#include "datasets/error_reason.h"
+#include "datasets/parallel_for.h"
+#include "synthesis/evaluation.h"
+#include "synthesis/evaluation_motion.h"
+#include "synthesis/frechet_distance.h"
+#include "synthesis/pose_windows.h"
+#include "synthesis/window_classifier.h"
+#include "synthesis/window_space.h"
+
+namespace morphograph {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Form = ChartSeries::Form;
+
+constexpr Eigen::Index kFewestWindows = 64;  // two a direction of the WindowSpace
+
+// Windows of each clip.
+std::vector<Eigen::MatrixXd> WindowsOf(const std::vector<MotionClip>& clips, int jobs) {
+  std::vector<Eigen::MatrixXd> windows(clips.size());
+  ParallelFor(jobs, static_cast<int>(clips.size()),
+              [&](int i) { windows[static_cast<size_t>(i)] = PoseWindows(PrepareEvaluation(clips[static_cast<size_t>(i)])); });
+  return windows;
+}
+
+// Classes of figures of one way to cut the captured clips.
+struct Cut {
+  std::string name;   // "clips as they are"
+  std::string id;     // in the data
+  bool trimmed = false;
+  int halvings = 4;
+};
+
+struct StyleLikeness {
+  std::optional<double> frechet_ratio, diversity_ratio;       // trained on all
+  std::optional<double> half_frechet_ratio;                   // trained on one half, judged on the other
+  std::optional<WindowDistinction> told, half_told;
+  std::string note;
+};
+
+std::vector<MotionClip> CutClips(const std::vector<MotionClip>& clips, const Cut& cut, int piece_frames) {
+  if (cut.trimmed) return Trimmed(clips, piece_frames);
+  std::vector<MotionClip> long_enough;  // to hold a window
+  for (const MotionClip& clip : clips) {
+    if (clip.frame_count() >= PoseWindowOptions().frames) long_enough.push_back(clip);
+  }
+  return long_enough;
+}
+
+// Folds of the classifier: five, fewer where halves hold fewer clips; 0 where even two cannot be filled.
+int FoldsFor(size_t clips_of_half) { return clips_of_half < 2 ? 0 : static_cast<int>(std::min<size_t>(5, clips_of_half)); }
+
+WindowClassifierOptions ClassifierOptions(const StudyOptions& options, int halvings, int folds) {
+  return {.trees = options.quick ? 40 : 200, .folds = folds, .halvings = options.quick ? 1 : halvings, .seed = options.seed, .jobs = options.jobs};
+}
+
+void JudgeWhole(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured, bool classify, const Cut& cut,
+                const StudyOptions& options, StyleLikeness* likeness) {
+  try {
+    const SetComparison compared =
+        CompareWindowSets(WindowsOf(synthesised, options.jobs), WindowsOf(captured, options.jobs), options.seed);
+    likeness->frechet_ratio = compared.frechet_ratio;
+    likeness->diversity_ratio = compared.diversity / compared.diversity_reference;
+  } catch (const std::invalid_argument& unfit) {
+    likeness->note = ReasonOf(unfit);
+  }
+  const int folds = FoldsFor(captured.size() / 2);
+  if (classify && folds > 0) likeness->told = TellApart(synthesised, captured, ClassifierOptions(options, cut.halvings, folds));
+}
+
+// The two halves of the captured clips, and what models of each have synthesised.
+struct Halves {
+  std::vector<MotionClip> synthesised[2], captured[2];
+};
+
+// Fréchet distance of what a model of one half synthesises to the other half, over that of the two halves; both directions together.
+// In the space of all captured windows.
+void JudgeHalves(const Halves& halves, bool classify, const StudyOptions& options, StyleLikeness* likeness) {
+  std::vector<Eigen::MatrixXd> captured[2];
+  for (int h = 0; h < 2; ++h) captured[h] = WindowsOf(halves.captured[h], options.jobs);
+  if (captured[0].empty() || captured[1].empty()) return;
+  const Eigen::MatrixXd joined[2] = {JoinColumns(captured[0]), JoinColumns(captured[1])};
+  if (joined[0].cols() >= kFewestWindows && joined[1].cols() >= kFewestWindows && !halves.synthesised[0].empty() && !halves.synthesised[1].empty()) {
+    const WindowSpace space(JoinColumns({joined[0], joined[1]}));
+    const GaussianFit fits[2] = {FitGaussian(space.Project(joined[0])), FitGaussian(space.Project(joined[1]))};
+    double sum = 0;
+    for (int h = 0; h < 2; ++h) {
+      const Eigen::MatrixXd drawn = JoinColumns(WindowsOf(halves.synthesised[h], options.jobs));
+      sum += FrechetDistance(FitGaussian(space.Project(drawn)), fits[1 - h]) / 2;
+    }
+    likeness->half_frechet_ratio = sum / FrechetDistance(fits[0], fits[1]);
+  }
+  const int folds = FoldsFor(std::min(halves.captured[0].size(), halves.captured[1].size()));
+  if (!classify || folds == 0 || halves.synthesised[0].empty() || halves.synthesised[1].empty()) return;
+  std::vector<MotionClip> all = halves.captured[0];
+  all.insert(all.end(), halves.captured[1].begin(), halves.captured[1].end());
+  std::vector<int> first, second;
+  for (int i = 0; i < static_cast<int>(all.size()); ++i) (i < static_cast<int>(halves.captured[0].size()) ? first : second).push_back(i);
+  WindowDistinction mean;
+  for (int h = 0; h < 2; ++h) {
+    const std::vector<ClipHalves> halving = {h == 0 ? ClipHalves{first, second} : ClipHalves{second, first}};
+    const WindowDistinction told = TellApart(halves.synthesised[h], all, halving, ClassifierOptions(options, 1, folds));
+    mean.auc += told.auc / 2;
+    mean.floor += told.floor / 2;
+    mean.windows += told.windows / 2;
+  }
+  mean.difference = mean.auc - mean.floor;
+  likeness->half_told = mean;
+}
+
+Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
+
+Json ToldJson(const std::optional<WindowDistinction>& told) {
+  if (!told) return nullptr;
+  return {{"auc", told->auc}, {"floor", told->floor}, {"above_floor", told->difference}, {"standard_error", told->standard_error}, {"windows", told->windows}};
+}
+
+Json LikenessJson(const StyleLikeness& likeness) {
+  Json json = {{"frechet_ratio", OrNull(likeness.frechet_ratio)},
+               {"diversity_ratio", OrNull(likeness.diversity_ratio)},
+               {"classifier", ToldJson(likeness.told)},
+               {"trained_on_one_half", {{"frechet_ratio", OrNull(likeness.half_frechet_ratio)}, {"classifier", ToldJson(likeness.half_told)}}}};
+  if (!likeness.note.empty()) json["note"] = likeness.note;
+  return json;
+}
+
+using ByName = std::vector<std::pair<std::string, StyleLikeness>>;
+
+// The greatest, or least, over the styles, and whose it is.
+struct Extreme {
+  std::optional<double> value;
+  std::string style;
+};
+template <typename Get>
+Extreme WorstOf(const ByName& styles, Get get, bool greatest = true) {
+  Extreme worst;
+  for (const auto& [style, likeness] : styles) {
+    const std::optional<double> value = get(likeness);
+    if (value && (!worst.value || (greatest ? *value > *worst.value : *value < *worst.value))) worst = {value, style};
+  }
+  return worst;
+}
+
+std::optional<double> AboveFloor(const std::optional<WindowDistinction>& told) {
+  return told ? std::optional(told->difference) : std::nullopt;
+}
+
+std::string Too(const std::optional<double>& value, const std::string& otherwise) {
+  return value ? otherwise : "too few clips or windows to tell";
+}
+
+void AddFigures(const Cut& cut, const StyleLikeness& overall, const ByName& styles, StudySection* section) {
+  const auto add = [&](const std::string& what, const std::optional<double>& value, std::optional<double> at_least, std::optional<double> at_most,
+                       const std::string& note) {
+    section->figures.push_back({what + "; " + cut.name, value, "", std::nullopt, "", at_least, at_most, Too(value, note)});
+  };
+  const auto named = [](const Extreme& worst, const std::string& more) {
+    return "style " + StyleLabel(worst.style) + (more.empty() ? "" : "; " + more);
+  };
+  const auto error_of = [&](const std::string& style, auto member) {
+    for (const auto& [name, likeness] : styles) {
+      const std::optional<WindowDistinction>& told = likeness.*member;
+      if (name != style || !told) continue;
+      char text[120];
+      std::snprintf(text, sizeof text, "area %.3f, floor %.3f", told->auc, told->floor);
+      std::string said(text);
+      if (told->standard_error > 0) {
+        std::snprintf(text, sizeof text, ", standard error over halves %.3f", told->standard_error);
+        said += text;
+      }
+      return said;
+    }
+    return std::string();
+  };
+  add("Fréchet distance over that of captured halves", overall.frechet_ratio, std::nullopt, 1.0, "all styles together");
+  Extreme worst = WorstOf(styles, [](const StyleLikeness& s) { return s.frechet_ratio; });
+  add("the same, worst style", worst.value, std::nullopt, 1.3, named(worst, ""));
+  add("Fréchet distance, trained on one half and judged on the other", overall.half_frechet_ratio, std::nullopt, 1.3,
+      "all styles together; over the distance of the same two halves");
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return s.half_frechet_ratio; });
+  add("the same, worst style", worst.value, std::nullopt, 1.6, named(worst, ""));
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return AboveFloor(s.told); });
+  add("classifier's area under the curve above its floor, worst style", worst.value, std::nullopt, 0.05,
+      named(worst, error_of(worst.style, &StyleLikeness::told)));
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return AboveFloor(s.half_told); });
+  add("the same, trained on one half and judged on the other, worst style", worst.value, std::nullopt, 0.10,
+      named(worst, error_of(worst.style, &StyleLikeness::half_told)));
+  const auto diversity = [](const StyleLikeness& s) { return s.diversity_ratio; };
+  worst = WorstOf(styles, diversity, false);
+  add("diversity of one style's clips / captured, least", worst.value, 0.9, 1.1, named(worst, ""));
+  worst = WorstOf(styles, diversity, true);
+  add("diversity of one style's clips / captured, greatest", worst.value, 0.9, 1.1, named(worst, ""));
+}
+
+ChartSeries Bars(const std::string& name) { return {.name = name, .x = {}, .y = {}, .form = Form::kBars}; }
+
+void AddCharts(const Cut& cut, const StyleLikeness& overall, const ByName& styles, StudySection* section) {
+  Chart frechet{.title = "Fréchet distance, " + cut.name, .x_label = "style", .y_label = "ratio to captured halves", .better = "lower"};
+  frechet.caption = "Distance of synthesised from captured windows over that between halves of the captured clips: 1 is as near as another half.";
+  frechet.series = {Bars("trained on all"), Bars("trained on one half, judged on the other")};
+  frechet.marks = {{"captured halves", 1}};
+  Chart told{.title = "Classifier, " + cut.name, .x_label = "style", .y_label = "area under the curve", .better = "lower"};
+  told.caption = "How well a random forest tells synthesised from captured windows. Its floor is how well it tells captured from captured; 0.5 is chance.";
+  told.series = {Bars("trained on all"), Bars("floor"), Bars("trained on one half, judged on the other"), Bars("floor of the halves")};
+  told.marks = {{"chance", 0.5}};
+  Chart diversity{.title = "Diversity, " + cut.name, .x_label = "style", .y_label = "synthesised / captured"};
+  diversity.caption = "Mean distance between windows of a set, synthesised over captured: 1 is as diverse as captured.";
+  diversity.series = {Bars("trained on all")};
+  diversity.marks = {{"as captured", 1}};
+  const auto put = [](const std::optional<double>& y, size_t x, ChartSeries* series) {
+    if (y) series->x.push_back(static_cast<double>(x)), series->y.push_back(*y);
+  };
+  const auto area = [](const std::optional<WindowDistinction>& d) { return d ? std::optional(d->auc) : std::nullopt; };
+  const auto floor = [](const std::optional<WindowDistinction>& d) { return d ? std::optional(d->floor) : std::nullopt; };
+  for (size_t i = 0; i < styles.size(); ++i) {
+    const auto& [style, likeness] = styles[i];
+    for (Chart* chart : {&frechet, &told, &diversity}) chart->x_names.push_back(StyleLabel(style));
+    put(likeness.frechet_ratio, i, &frechet.series[0]);
+    put(likeness.half_frechet_ratio, i, &frechet.series[1]);
+    put(area(likeness.told), i, &told.series[0]);
+    put(floor(likeness.told), i, &told.series[1]);
+    put(area(likeness.half_told), i, &told.series[2]);
+    put(floor(likeness.half_told), i, &told.series[3]);
+    put(likeness.diversity_ratio, i, &diversity.series[0]);
+  }
+  if (styles.size() > 1) {
+    frechet.x_names.push_back("all together");
+    put(overall.frechet_ratio, styles.size(), &frechet.series[0]);
+    put(overall.half_frechet_ratio, styles.size(), &frechet.series[1]);
+  }
+  for (Chart* chart : {&frechet, &told, &diversity}) section->drawings.push_back(std::move(*chart));
+}
+
+}  // namespace
+
+StudySection StudyLikeness(StudyContext& context) {
+  const StudyOptions& options = context.options();
+  const std::vector<MotionClip> captured = AtEvaluationRate(context.clips(StudyData::kClean), options.jobs);
+  const int piece_frames = PieceFrames(captured);
+  StudySection section{.id = "likeness", .title = "Likeness of synthesised and captured clips"};
+  section.text =
+      "Clips are cut into windows of half a second: 14 joints relative to the hips, and the hips' speed. The Fréchet distance compares mean and "
+      "covariance of two sets of windows in the 32 directions in which captured ones vary most; it is given over the distance between halves of the "
+      "captured clips. The classifier is a random forest of 200 trees, cross-validated by clip, on windows with 1 mm of noise on every joint. How "
+      "well it tells synthesised from captured windows is given with its floor: how well it tells one half of the captured clips from the other, "
+      "with as many windows from clips of the same lengths.\n\nEverything is done twice: with a model of all clips, and with models of one half of "
+      "the clips, each judged on the half that it has not seen (mean of both ways).\n\nClips are taken as they are, and, where they are long enough, "
+      "without their first and last second: recordings set off and slow down there, and synthesised clips are cut out of a walk.";
+  const int count = options.quick ? 8 : 100;
+  const auto tell = [&](const std::string& stage, double fraction) {
+    if (options.progress) options.progress(stage, fraction);
+  };
+  std::vector<std::string> missing;
+  tell("drawing clips", 0);
+  const StyledClips synthesised = DrawStyles(*context.Model(StudyData::kClean), {.clips = count, .seed = options.seed, .jobs = options.jobs}, &missing);
+  StyledClips of_half[2];
+  std::string no_halves;
+  for (int h = 0; h < 2 && no_halves.empty(); ++h) {
+    tell("learning from half of the clips", 0.05 + 0.1 * h);
+    try {
+      of_half[h] = DrawStyles(*context.Learn(StudyData::kClean, context.half(h)), {.clips = count, .seed = options.seed, .jobs = options.jobs});
+    } catch (const std::runtime_error& unfit) {  // half of few clips can be too few to learn from
+      no_halves = unfit.what();
+    }
+  }
+  if (!no_halves.empty()) {
+    of_half[0].clear(), of_half[1].clear();
+    section.text += "\n\nHalf of these clips are too few to learn from: " + no_halves;
+  }
+  for (const std::string& style : missing) section.text += "\n\nThe model cannot walk in style " + StyleLabel(style) + ": too few steps.";
+
+  const std::vector<Cut> cuts = {{"clips as they are", "whole", false, 3}, {"a second off both ends", "trimmed", true, 6}};
+  for (size_t c = 0; c < cuts.size(); ++c) {
+    const Cut& cut = cuts[c];
+    const std::vector<MotionClip> clips = CutClips(captured, cut, piece_frames);
+    if (clips.size() < 4) {
+      section.text += "\n\nToo few clips are long enough to take a second off both ends.";
+      section.data[cut.id] = nullptr;
+      continue;
+    }
+    const StyledClips by_style = ByStyle(clips);
+    const StyledClips by_half[2] = {ByStyle(CutClips(Chosen(captured, context.half(0)), cut, piece_frames)),
+                                    ByStyle(CutClips(Chosen(captured, context.half(1)), cut, piece_frames))};
+    const auto of = [](const StyledClips& set, const std::string& style) {
+      const auto at = set.find(style);
+      return at == set.end() ? std::vector<MotionClip>() : at->second;
+    };
+    ByName styles;
+    for (const auto& [style, drawn] : synthesised) {
+      tell("comparing " + StyleLabel(style), 0.25 + 0.75 * (static_cast<double>(c) + static_cast<double>(styles.size()) / static_cast<double>(synthesised.size())) / static_cast<double>(cuts.size()));
+      StyleLikeness likeness;
+      const std::vector<MotionClip> own = of(by_style, style);
+      JudgeWhole(drawn, own, true, cut, options, &likeness);
+      JudgeHalves({{of(of_half[0], style), of(of_half[1], style)}, {of(by_half[0], style), of(by_half[1], style)}}, true, options, &likeness);
+      section.data[cut.id]["styles"][StyleLabel(style)] = LikenessJson(likeness);
+      styles.emplace_back(style, likeness);
+    }
+    StyleLikeness overall;
+    if (styles.size() == 1) {
+      overall = styles.front().second;
+    } else {
+      JudgeWhole(InProportion(synthesised, by_style), clips, false, cut, options, &overall);
+      JudgeHalves({{InProportion(of_half[0], by_half[0]), InProportion(of_half[1], by_half[1])}, {Joined(by_half[0]), Joined(by_half[1])}}, false,
+                  options, &overall);
+    }
+    section.data[cut.id]["all_styles_together"] = LikenessJson(overall);
+    AddFigures(cut, overall, styles, &section);
+    AddCharts(cut, overall, styles, &section);
+  }
+  return section;
+}
+
+}  // namespace morphograph
