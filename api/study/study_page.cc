@@ -31,6 +31,7 @@ tbody th { font-weight: 500; min-width: 15rem; }
 tbody.part th { color: var(--quiet); font-weight: 600; padding-top: 1rem; }
 td.number { text-align: right; white-space: nowrap; font-variant-numeric: tabular-nums; padding-right: 1.25rem; }
 td.value { font-weight: 650; }
+td.source, td.aim { white-space: nowrap; }
 td.note { color: var(--quiet); min-width: 14rem; max-width: 26rem; }
 .holds, .fails { border-radius: .25rem; padding: .05rem .45rem; white-space: nowrap; }
 .holds { color: var(--good); background: var(--good-back); }
@@ -150,11 +151,27 @@ std::string FigureRow(const StudyFigure& figure) {
   };
   std::string row = "<tr><th scope=\"row\">" + Escaped(figure.what) + "</th>";
   row += Tag("td", figure.value ? number(figure.value) : "–", "number value");
-  row += Tag("td", number(figure.published), "number") + Tag("td", figure.source) + Tag("td", AimText(figure), "number") + "<td>";
+  row += Tag("td", number(figure.published), "number") + Tag("td", figure.source, "source") + Tag("td", AimText(figure), "number") + "<td class=\"aim\">";
   if (figure.at_least || figure.at_most) {
     row += !figure.value ? "not measured" : figure.Holds() ? "<span class=\"holds\">✓ holds</span>" : "<span class=\"fails\">✗ misses</span>";
   }
   return row + "</td>" + Tag("td", figure.note, "note") + "</tr>\n";
+}
+
+// "12 of 19 aims hold; 2 could not be measured."
+std::string AimsText(const StudyReport& report) {
+  int aims = 0, hold = 0, absent = 0;
+  for (const StudySection& section : report.sections) {
+    for (const StudyFigure& figure : section.figures) {
+      if (!figure.at_least && !figure.at_most) continue;
+      ++aims;
+      hold += figure.Holds();
+      absent += !figure.value;
+    }
+  }
+  if (aims == 0) return "";
+  return std::to_string(hold) + " of " + std::to_string(aims) + " aims hold" +
+         (absent > 0 ? "; " + std::to_string(absent) + " could not be measured on these data." : ".");
 }
 
 std::string FigureTable(const StudyReport& report) {
@@ -187,7 +204,7 @@ std::string StudyPage(const StudyReport& report) {
   for (const StudySection& section : report.sections)
     html += "<li><a href=\"#" + Escaped(section.id) + "\">" + Escaped(section.title) + "</a></li>";
   html += "</ul></nav>\n<h2 id=\"table\">Beside the published figures</h2>\n<p>Published figures were measured on other recordings, so that "
-          "ratios compare and absolute values hardly do. An aim is what this project asks of itself.</p>\n" + FigureTable(report);
+          "ratios compare and absolute values hardly do. An aim is what this project asks of itself. " + AimsText(report) + "</p>\n" + FigureTable(report);
   if (!report.notes.empty()) {
     html += "<details><summary>Notes on the data (" + std::to_string(report.notes.size()) + ")</summary>\n<ul>";
     for (const std::string& note : report.notes) html += Tag("li", note);

@@ -319,6 +319,7 @@ TEST(StudyPage, TableComesBeforeTheSectionsAndTellsWhatHolds) {
   EXPECT_THAT(row("too large"), HasSubstr("✗"));
   EXPECT_THAT(row("nothing told"), ::testing::AllOf(HasSubstr("not measured"), HasSubstr("≥ 0.9"), HasSubstr("no labels")));
   EXPECT_THAT(row("no aim"), ::testing::AllOf(HasSubstr("12.5 s"), Not(HasSubstr("✓")), Not(HasSubstr("✗"))));
+  EXPECT_THAT(page, HasSubstr("1 of 3 aims hold; 1 could not be measured"));
   EXPECT_THAT(page, HasSubstr("7 clips of the 20 read"));
   EXPECT_THAT(page, Not(HasSubstr("quick run")));
   StudyReport quick = report;
