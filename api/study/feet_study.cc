@@ -100,7 +100,7 @@ void AddCurves(const std::vector<StepCurves>& steps, const std::string& name, do
     for (size_t f = 0; f < curve.size(); ++f) series.x.push_back(static_cast<double>(f)), series.y.push_back(scale * curve[f]);
     chart->series.push_back(std::move(series));
   }
-  ChartSeries mean{name + ", mean of all"};
+  ChartSeries mean{name};  // bold, in the colour of the faint ones
   for (size_t f = 0;; ++f) {
     double sum = 0;
     size_t count = 0;
@@ -172,11 +172,11 @@ void DrawCurves(const Compared& compared, const std::string& primitive, StudySec
                 .y_label = "contact distance, mm",
                 .better = "lower",
                 .caption = std::to_string(kCurves) + " captured and " + std::to_string(kCurves) +
-                           " synthesised steps (Du Fig. 4.19, 4.20): height of the planted foot over the plane on which the feet stand."};
+                           " synthesised steps (Du Fig. 4.19, 4.20), bold: mean of all. Height of the planted foot over the plane on which the feet stand."};
   Chart difference{.title = primitive + ", " + compared.name + ": forward difference",
                    .x_label = "frame of the step, 30 a second",
                    .y_label = "frame distance to the next frame, cm²",
-                   .caption = "The same steps (Du Fig. 4.18, 4.21): how far the body moves from frame to frame. Synthesised curves should lie "
+                   .caption = "The same steps (Du Fig. 4.18, 4.21), bold: mean of all. How far the body moves from frame to frame. Synthesised curves should lie "
                               "among the captured ones."};
   for (const auto& [steps, name] : {std::pair{&captured, "captured"}, std::pair{&synthesised, "synthesised"}}) {
     AddCurves(*steps, name, 1000, &StepCurves::contact_m, &contact);
