@@ -4,6 +4,7 @@
 
 #include "datasets/parallel_for.h"
 #include "graph/internal/training_progress.h"
+#include "graph/manner_fit.h"
 #include "graph/model_io.h"
 #include "graph/primitive_fit.h"
 #include "graph/step_pairs.h"
@@ -39,6 +40,11 @@ void NoteMissingPrimitives(const GraphContents& contents, std::vector<std::strin
   }
 }
 
+PairManner MannerOf(const FittedPrimitive& fitted, const std::vector<int>& places) {
+  if (fitted.primitive.manner.empty()) return {};
+  return {fitted.primitive.manner.WithinScale(fitted.latents.rows()), fitted.manners(Eigen::all, places)};
+}
+
 std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<FittedPrimitive>& fitted, const TrainingOptions& options,
                                 TrainingProgress* progress, std::vector<std::string>* notes) {
   std::vector<StepPairs> pairs = FindStepPairs(set);
@@ -63,7 +69,10 @@ std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<Fitted
     fit.form = options.variant.transition;
     // Steps after a start still gather speed: they are not the steady ones that their primitive was learned from.
     fit.keep_marginal = IsWalking(from.primitive.start) || !IsWalking(to.primitive.end);
-    edges[e].model = FitTransition(LatentsOf(pairs[e], from.latents, to.latents), from.primitive.mixture, to.primitive.mixture, fit);
+    TransitionPairs latents = LatentsOf(pairs[e], from.latents, to.latents);
+    latents.previous_manner = MannerOf(from, pairs[e].previous);
+    latents.next_manner = MannerOf(to, pairs[e].next);
+    edges[e].model = FitTransition(latents, from.primitive.mixture, to.primitive.mixture, fit);
     edges[e].model.probability = pairs[e].size() / leaving[edges[e].from];
     progress->Step();
   });
@@ -105,6 +114,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
     fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
     progress.Step();
   });
+  if (options.variant.manner) FitManners(set, &fitted);
   contents.edges = FitEdges(set, fitted, options, &progress, &notes);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 

@@ -10,14 +10,14 @@ namespace morphograph {
 namespace {
 
 // Stretches of the canonical timeline where a part of a foot is planted more often than not.
-std::vector<ContactSummary> SummariseContacts(const ContactChances& chances) {
+std::vector<ContactSummary> SummariseContacts(const ContactProfile& profile) {
   static constexpr std::array<const char*, 4> kParts = {"left_heel", "left_ball", "right_heel", "right_ball"};
   std::vector<ContactSummary> contacts;
   for (int part = 0; part < 4; ++part) {
     for (int i = 0; i < kPhaseSamples; ++i) {
-      if (chances(part, i) <= 0.5) continue;
+      if (profile(part, i) <= 0.5) continue;
       int last = i;
-      while (last + 1 < kPhaseSamples && chances(part, last + 1) > 0.5) ++last;
+      while (last + 1 < kPhaseSamples && profile(part, last + 1) > 0.5) ++last;
       contacts.push_back({kParts[part], PhaseOfSample(i), PhaseOfSample(last)});
       i = last;
     }

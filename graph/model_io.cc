@@ -90,7 +90,7 @@ json MixtureToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
 }
 
 json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
-  return {{"name", primitive.name},
+  json value = {{"name", primitive.name},
           {"style", primitive.style_index},
           {"start", KeyframeLabelName(primitive.start)},
           {"end", KeyframeLabelName(primitive.end)},
@@ -101,8 +101,16 @@ json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
           {"latent_radius", primitive.latent_radius},
           {"mean", arrays->Floats(primitive.reduction.mean.cast<float>())},
           {"basis", arrays->Shorts(primitive.reduction.basis)},
-          {"contacts", arrays->Doubles(primitive.contacts)},
+          {"contacts", arrays->Doubles(primitive.contacts.topRows(kFootParts))},
+          {"contact_motion", arrays->Floats(primitive.contacts.bottomRows(kContactRows - kFootParts).cast<float>())},
           {"mixture", MixtureToJson(primitive, arrays)}};
+  if (!primitive.manner.empty()) {
+    value["manner"] = {{"share", arrays->Doubles(primitive.manner.share)},
+                       {"captured", arrays->Shorts(primitive.manner.captured)},
+                       {"steps", primitive.manner.steps},
+                       {"seconds", primitive.manner.seconds}};
+  }
+  return value;
 }
 
 json EdgeToJson(int from, int to, const TransitionModel& model, ArrayWriter* arrays) {
@@ -202,8 +210,28 @@ MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyl
   primitive.reduction.mean = arrays.Floats(value.at("mean")).cast<double>().reshaped();
   primitive.reduction.basis = arrays.Floats(value.at("basis"));
   const Eigen::MatrixXd contacts = arrays.Doubles(value.at("contacts"));
-  if (contacts.rows() != 4 || contacts.cols() != kPhaseSamples) throw std::runtime_error("contacts of the wrong size");
-  primitive.contacts = contacts;
+  if (contacts.rows() != kFootParts || contacts.cols() != kPhaseSamples) throw std::runtime_error("contacts of the wrong size");
+  primitive.contacts.topRows(kFootParts) = contacts;
+  if (value.contains("contact_motion")) {
+    const Eigen::MatrixXf motion = arrays.Floats(value.at("contact_motion"));
+    if (motion.rows() != kContactRows - kFootParts || motion.cols() != kPhaseSamples) {
+      throw std::runtime_error("contact_motion of the wrong size");
+    }
+    primitive.contacts.bottomRows(kContactRows - kFootParts) = motion.cast<double>();
+  } else {  // files of version 1: planted feet stand still, each part at its style's height
+    const FeetGeometry& feet = styles[static_cast<size_t>(primitive.style_index)].feet;
+    for (int side = 0; side < 2; ++side) {
+      primitive.contacts.row(kPlantedHeight + 2 * side).setConstant(feet.heel_height_m[side]);
+      primitive.contacts.row(kPlantedHeight + 2 * side + 1).setConstant(feet.ball_height_m[side]);
+    }
+  }
+  if (value.contains("manner")) {  // not in files of version 1
+    const json& manner = value.at("manner");
+    primitive.manner.share = arrays.Doubles(manner.at("share")).reshaped();
+    primitive.manner.captured = arrays.Floats(manner.at("captured"));
+    primitive.manner.steps = manner.at("steps").get<std::vector<int>>();
+    primitive.manner.seconds = manner.at("seconds").get<std::vector<float>>();
+  }
   const json& mixture = value.at("mixture");
   primitive.covariance_form = FromName(kForms, CovarianceFormName, mixture.at("form").get<std::string>());
   std::vector<MixtureComponent> components;

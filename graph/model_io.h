@@ -10,7 +10,7 @@
 namespace morphograph {
 
 /// Version of the model file that is written; older ones are read too.
-inline constexpr int kModelFormatVersion = 1;
+inline constexpr int kModelFormatVersion = 2;
 
 /// The model file's bytes; the same graph gives the same bytes. Format: see graph/MODEL_FORMAT.md.
 std::string SerialiseModel(const MotionGraph& graph);

@@ -25,6 +25,20 @@ void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& conte
               std::isfinite(primitive.latent_radius) && primitive.latent_radius >= 0 &&
               std::isfinite(primitive.initial_weight) && primitive.initial_weight >= 0,
           name + "a number is not finite, or negative");
+  Require(primitive.contacts.rows() == kContactRows && primitive.contacts.cols() == kPhaseSamples, name + "contacts of the wrong size");
+  const MannerModel& manner = primitive.manner;
+  if (manner.empty()) return;
+  Require(manner.share.size() == primitive.reduction.components() && manner.captured.rows() == manner.share.size() &&
+              manner.captured.cols() == static_cast<Eigen::Index>(manner.steps.size()) && manner.seconds.size() == manner.steps.size(),
+          name + "manner does not fit the reduction");
+  Require(manner.captured.allFinite() && manner.share.minCoeff() >= 0 && manner.share.maxCoeff() < 1, name + "manner has shares outside [0, 1)");
+  for (size_t walk = 0; walk < manner.steps.size(); ++walk) {
+    Require(manner.steps[walk] >= 0 && std::isfinite(manner.seconds[walk]) && manner.seconds[walk] >= 0, name + "a walk of the manner is negative");
+  }
+  for (const MotionPrimitive& other : contents.primitives) {
+    Require(other.style_index != primitive.style_index || other.manner.empty() || other.manner.walks() == manner.walks(),
+            name + "manner is of other walks than that of '" + other.name + "'");
+  }
 }
 
 void CheckEdge(const GraphEdge& edge, size_t index, const std::vector<MotionPrimitive>& primitives) {

@@ -15,16 +15,48 @@ namespace {
 
 constexpr int kExamplesPerComponent = 8;
 
-// Contact labels of a step, read off on its canonical timeline.
-ContactChances ContactsOf(const PreparedClip& clip, const StepSpan& span, const TimeWarp& warp) {
-  ContactChances contacts;
-  for (int i = 0; i < kPhaseSamples; ++i) {
-    const int frame = std::clamp(static_cast<int>(std::lround(span.FrameAt(warp(PhaseOfSample(i))))), 0,
-                                 clip.clip.frame_count() - 1);
-    contacts.col(i) = clip.contacts.planted.col(frame).cast<double>();
+// What the feet do over the steps of a class, on its canonical timeline: means over the steps in which a part is planted, or over all
+// where it never is.
+class ContactStatistics {
+ public:
+  void Add(const PreparedClip& clip, const PoseLayout& layout, const StepSpan& span, const TimeWarp& warp) {
+    const int last = clip.clip.frame_count() - 1;
+    for (int i = 0; i < kPhaseSamples; ++i) {
+      const double at = std::clamp(span.FrameAt(warp(PhaseOfSample(i))), 0.0, static_cast<double>(last));
+      const int nearest = static_cast<int>(std::lround(at));
+      const int low = std::clamp(static_cast<int>(std::floor(at)), 0, std::max(0, last - 1)), high = std::min(low + 1, last);
+      const double t = at - low;
+      const Eigen::Quaterniond heading_from_world = Yaw(-layout.HeadingOf(clip.clip.rotation(nearest, layout.active_joints()[0])));
+      for (int part = 0; part < kFootParts; ++part) {
+        const Eigen::Matrix3Xd& points = (part % 2 == 0 ? clip.contacts.heels : clip.contacts.balls)[part / 2];
+        const bool planted = clip.contacts.planted(part, nearest) != 0;
+        const Eigen::Vector3d slide = heading_from_world * (points.col(high) - points.col(low)) * clip.clip.frame_rate_hz();
+        const Eigen::Vector3d values((1 - t) * points(1, low) + t * points(1, high), slide.x(), slide.z());
+        for (int row = 0; row < 3; ++row) (planted ? planted_ : swung_)(kFootParts * (row + 1) + part, i) += values[row];
+        (planted ? planted_ : swung_)(part, i) += 1;
+      }
+    }
   }
-  return contacts;
-}
+
+  ContactProfile Profile() const {
+    ContactProfile profile(kContactRows, kPhaseSamples);
+    for (int i = 0; i < kPhaseSamples; ++i) {
+      for (int part = 0; part < kFootParts; ++part) {
+        const double planted = planted_(part, i), swung = swung_(part, i);
+        profile(part, i) = planted / std::max(1.0, planted + swung);
+        for (int row = 1; row < 4; ++row) {
+          const int at = kFootParts * row + part;
+          profile(at, i) = planted > 0 ? planted_(at, i) / planted : swung_(at, i) / std::max(1.0, swung);
+        }
+      }
+    }
+    return profile;
+  }
+
+ private:
+  ContactProfile planted_ = ContactProfile::Zero(kContactRows, kPhaseSamples);  // sums; the first rows count
+  ContactProfile swung_ = planted_;
+};
 
 // What lies outside of the step follows from what lies inside.
 void LightenMargins(int channels, Eigen::VectorXd* weights) {
@@ -50,12 +82,14 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   }
   FittedPrimitive fitted;
   MotionPrimitive& primitive = fitted.primitive;
+  ContactStatistics contacts;
   for (const int i : steady) {
     const TrainingStep& step = steps[members.members[i]];
-    primitive.contacts += ContactsOf(clips[step.clip], step.span, aligned.warps[i]) / static_cast<double>(steady.size());
+    contacts.Add(clips[step.clip], layout, step.span, aligned.warps[i]);
     ++primitive.examples;
     if (clips[step.clip].made) ++primitive.made_examples;
   }
+  primitive.contacts = contacts.Profile();
   const TrainingStep& model_step = steps[members.members[steady.front()]];
   primitive.name = members.primitive;
   primitive.style = members.style;

@@ -21,6 +21,7 @@ struct PrimitiveFitOptions {
 struct FittedPrimitive {
   MotionPrimitive primitive;
   Eigen::MatrixXd latents;  // (components x members), in the order of the class
+  Eigen::MatrixXd manners;  // (components x members) manner of each step's walk; empty where the primitive has none
 };
 
 /// Fits one primitive to the steps of a class (Du 3.2-3.4): reference segment, DTW against it, weighted PCA, mixture by BIC, contact

@@ -159,11 +159,6 @@ FeetGeometry MeasureFeet(const std::vector<const PreparedClip*>& clips) {
     feet.heel_lowest_m[side] = Quantile(heel_lowest, kLowestPart);
     feet.ball_lowest_m[side] = std::max(Quantile(ball_lowest, kLowestPart), feet.ball_height_m[side] - kBallGive_m);
   }
-  // The floor is one for both feet: where bones of left and right differ, the legs make up for it.
-  for (double* heights : {feet.heel_height_m, feet.ball_height_m, feet.heel_lowest_m, feet.ball_lowest_m}) {
-    const double mean = (heights[0] + heights[1]) / 2;
-    heights[0] = heights[1] = mean;
-  }
   return feet;
 }
 

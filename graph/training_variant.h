@@ -15,6 +15,7 @@ struct TrainingVariant {
   bool margins = true;       // false: samples outside of the step have next to no say in the reduction
   bool weighted = true;      // false: plain PCA, every pose channel counts alike in its own unit
   bool euler = false;        // true: Euler angles in the recording's channel order in place of log maps (Du Eq. 3.8)
+  bool manner = true;        // false: nothing of a walk stays over its steps (see MannerModel)
   Transition transition = Transition::kStationary;
 };
 

@@ -12,7 +12,7 @@
 
 #include "graph/internal/kernel_matrix.h"
 #include "graph/internal/kernel_search.h"
-#include "graph/internal/linear_evidence.h"
+#include "graph/internal/linear_map.h"
 #include "primitives/whitening.h"
 
 namespace morphograph {
@@ -31,6 +31,12 @@ Whitened Whiten(const Eigen::MatrixXd& latents, const GaussianMixture& mixture) 
     result.component.push_back(c);
   }
   return result;
+}
+
+// What changes from step to step.
+void TakeOut(const PairManner& manner, Whitened* whitened) {
+  if (manner.within_scale.size() == 0) return;
+  whitened->values = manner.within_scale.cwiseInverse().asDiagonal() * (whitened->values - manner.manner);
 }
 
 // Symmetric square root, or its inverse, with eigenvalues kept above `floor`.
@@ -93,6 +99,16 @@ std::vector<Eigen::Index> CapturedPairs(const TransitionPairs& pairs) {
     if (pairs.made.empty() || !pairs.made[static_cast<size_t>(i)]) captured.push_back(i);
   }
   return captured.size() >= 2 ? captured : all;
+}
+
+// How much each whitened value of the likeliest component moves a step, against the one that moves it most.
+Eigen::VectorXd InputScales(const GaussianMixture& mixture) {
+  int likeliest = 0;
+  for (int c = 1; c < mixture.size(); ++c) {
+    if (mixture.Component(c).log_weight > mixture.Component(likeliest).log_weight) likeliest = c;
+  }
+  const Eigen::VectorXd norms = mixture.Component(likeliest).cholesky.colwise().norm();
+  return norms / norms.maxCoeff();
 }
 
 // Mean and covariance of A w + f(w) over w ~ N(0, I).
@@ -181,8 +197,10 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   if (options.form == Form::kNone) return IndependentTransition(static_cast<int>(pairs.next.cols()), source, target);
   const bool stationary = options.form == Form::kStationary;
   const bool keep_marginal = options.keep_marginal && stationary;
-  const Whitened from = Whiten(pairs.previous, source);
-  const Whitened to = Whiten(pairs.next, target);
+  Whitened from = Whiten(pairs.previous, source);
+  Whitened to = Whiten(pairs.next, target);
+  TakeOut(pairs.previous_manner, &from);
+  TakeOut(pairs.next_manner, &to);
   const int count = static_cast<int>(pairs.previous.cols());
 
   TransitionModel model;
@@ -193,35 +211,34 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
 
   const std::vector<Eigen::Index> captured = CapturedPairs(pairs);
   const Eigen::MatrixXd captured_from = from.values(Eigen::all, captured), captured_to = to.values(Eigen::all, captured);
-  GaussianProcess used = GaussianProcess::Condition(internal::SearchLinearKernel(captured_from, captured_to), from.values, to.values);
-  Eigen::MatrixXd residuals = UnseenResiduals(used, from.values, to.values, pairs.clip);
+  Eigen::MatrixXd linear = Eigen::MatrixXd::Zero(to.values.rows(), from.values.rows());
+  Eigen::MatrixXd residuals = to.values;
+  if (stationary) {
+    const internal::LinearRidges ridges = internal::SearchLinearRidges(captured_from, captured_to, InputScales(source));
+    internal::LinearMap fitted = internal::FitLinearMap(ridges, from.values, to.values, pairs.clip);
+    linear = WithGainsUpTo(options.largest_gain, fitted.map);
+    residuals = std::move(fitted.residuals);
+    model.noise_variance = ridges.noise_variance.mean();
+    model.linear_variance = (ridges.noise_variance.array() / ridges.ridge.array()).mean();
+    model.log_marginal_likelihood = ridges.log_likelihood;
+  }
+  model.linear = linear.cast<float>();
   if (!stationary || count >= options.min_pairs_for_process) {
-    const GaussianProcessOptions with_linear{.linear = stationary, .min_noise_ratio = 0.05};
-    GaussianProcess both = GaussianProcess::Condition(internal::SearchKernel(captured_from, captured_to, with_linear), from.values,
-                                                      to.values);
-    model.length_scale = both.kernel().length_scale;
-    Eigen::MatrixXd of_both = UnseenResiduals(both, from.values, to.values, pairs.clip);
-    if (!stationary || of_both.squaredNorm() < (1 - options.process_gain) * residuals.squaredNorm()) {
-      used = std::move(both);
-      residuals = std::move(of_both);
+    // What the linear part misses of clips that it has not seen: is any of it a function of the step before?
+    const GaussianProcessOptions rbf{.min_noise_ratio = 0.05};
+    GaussianProcess process = GaussianProcess::Condition(internal::SearchKernel(captured_from, residuals(Eigen::all, captured), rbf),
+                                                         from.values, residuals);
+    model.length_scale = process.kernel().length_scale;
+    Eigen::MatrixXd left = UnseenResiduals(process, from.values, residuals, pairs.clip);
+    if (!stationary || left.squaredNorm() < (1 - options.process_gain) * residuals.squaredNorm()) {
+      model.signal_variance = process.kernel().signal_variance;
+      model.noise_variance = process.kernel().noise_variance;
+      if (!stationary) model.log_marginal_likelihood = process.log_marginal_likelihood();
+      model.process = std::move(process);
+      residuals = std::move(left);
     }
   }
-  const GaussianProcessKernel& kernel = used.kernel();
-  model.signal_variance = kernel.signal_variance;
-  model.linear_variance = kernel.linear_variance;
-  model.noise_variance = kernel.noise_variance;
-  model.log_marginal_likelihood = used.log_marginal_likelihood();
   model.unseen_error = residuals.squaredNorm() / static_cast<double>(residuals.size());
-
-  // The mean alpha^T k(w) falls into A w, by the linear part of the kernel, and f(w), by the rest of it.
-  const Eigen::MatrixXd linear =
-      WithGainsUpTo(options.largest_gain, kernel.linear_variance * used.alpha().transpose() * used.inputs().transpose());
-  model.linear = linear.cast<float>();
-  if (kernel.signal_variance > 0) {
-    GaussianProcessKernel rbf = kernel;
-    rbf.linear_variance = 0;
-    model.process.emplace(rbf, used.inputs(), used.alpha(), used.log_marginal_likelihood());
-  }
 
   // Cov(A w + f(w)) + noise = I keeps the marginal.
   if (keep_marginal) Centre(to.component, &residuals);

@@ -9,6 +9,12 @@
 
 namespace morphograph {
 
+/// How the steps at one end of training pairs sit in their walks (see MannerModel).
+struct PairManner {
+  Eigen::VectorXd within_scale;  // (components) sqrt(1 - b); empty: no manner
+  Eigen::MatrixXd manner;        // (components x pairs) m of each step's walk
+};
+
 /// Training pairs of an edge: column i of `next` followed column i of `previous` in the capture.
 struct TransitionPairs {
   Eigen::MatrixXd previous;  // (components of the source x pairs) latents
@@ -17,11 +23,13 @@ struct TransitionPairs {
   /// judge each other. Empty: every pair is on its own.
   std::vector<int> clip;
   std::vector<char> made;    // per pair: of a copy; empty: none is
+  PairManner previous_manner = {}, next_manner = {};
 };
 
 /// From one step's latent to the next one's, keeping the captured marginal (METHODS section 3).
 ///
-/// Both latents are whitened by the mixture component that they belong to. A Markov chain picks the next component; then
+/// Both latents are whitened by the mixture component that they belong to, and what stays over a walk is taken out (MannerModel; w is
+/// z there). A Markov chain picks the next component; then
 ///   w' = A w + f(w) + e,
 /// A w + f(w) the mean of a Gaussian process (Du 3.5) with a linear and an RBF kernel, A its linear part with singular values below 1,
 /// f its RBF part, kept only where it predicts clips that it has not seen better than A alone; e a whole training residual of

@@ -7,6 +7,7 @@
 
 #include "primitives/gaussian_mixture.h"
 #include "primitives/keyframe.h"
+#include "primitives/manner_model.h"
 #include "primitives/pose_layout.h"
 
 namespace morphograph {
@@ -16,9 +17,13 @@ inline constexpr int kWarpKnots = 5;
 /// Timing part of a step's vector: log duration in seconds, then the log-slopes of the warp.
 inline constexpr int kTimingValues = 1 + kWarpKnots;
 
-/// Learned contact labels on the canonical timeline: chance that a part of a foot is planted.
-/// Rows: left heel, left ball, right heel, right ball (as ContactTrack). (4 x kPhaseSamples)
-using ContactChances = Eigen::Matrix<double, 4, kPhaseSamples>;
+/// Parts of the feet: left heel, left ball, right heel, right ball (as ContactTrack).
+inline constexpr int kFootParts = 4;
+/// What is known of the parts of the feet at one time, kFootParts rows each: the chance of being planted, and while planted the
+/// height over the floor (m) and the velocity to the left and forwards of the pelvis' heading (m/s).
+enum ContactRow { kPlantedChance = 0, kPlantedHeight = kFootParts, kSlideLeft = 2 * kFootParts, kSlideForward = 3 * kFootParts };
+inline constexpr int kContactRows = 4 * kFootParts;
+using ContactProfile = Eigen::Matrix<double, kContactRows, Eigen::Dynamic>;
 
 /// A step drawn or projected: geometry on the canonical timeline and its timing.
 struct StepShape {
@@ -50,8 +55,9 @@ struct MotionPrimitive {
   StepReduction reduction;
   GaussianMixture mixture;
   CovarianceForm covariance_form = CovarianceForm::kFull;
+  MannerModel manner;         // of the whitened latents
   double latent_radius = 0;  // largest norm of a whitened training latent
-  ContactChances contacts = ContactChances::Zero();
+  ContactProfile contacts = ContactProfile::Zero(kContactRows, kPhaseSamples);  // on the canonical timeline, learned
 
   /// The step that a latent vector stands for. @throws std::invalid_argument if its size is not `components()`.
   StepShape Shape(const Eigen::VectorXd& latent) const;

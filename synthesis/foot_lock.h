@@ -7,18 +7,26 @@
 namespace morphograph {
 
 struct FootLockOptions {
-  double planted_chance = 0.5;  // from which a part of a foot counts as planted
-  double shortest_s = 0.1;      // shorter stances are left alone
-  double ease_s = 0.13;         // into and out of a stance
-  double corner_s = 0.025;      // standard deviation of the filter that rounds the corners of the correction
+  double loose_chance = 0.5;  // of being planted, from which a part of a foot begins to be held
+  /// Part of the mean slide of captured planted feet that is left. They do slide: joints are not soles, feet roll and turn on the ball.
+  /// A foot nailed to the floor is told from the capture at once.
+  double slide = 0.5;
+  double rolling = 0.6;       // part of the mean rise of captured planted feet over their standing height that is left
+  double hold_s = 0.5;       // how long a slip has to last to be let through rather than taken out
+  double ease_s = 0.06;       // time constant of easing into and out of a hold
+  double level = 3;           // weight of a planted foot's height against that of leaving it where it is
 };
 
-/// Holds planted feet where they stand, by inverse kinematics of the legs.
+/// Holds planted feet as captured ones are held, by inverse kinematics of the legs.
 ///
-/// While the ball of a foot is planted it stays on one spot at its learned height; while only the heel is, the heel does. Which is
-/// when was learned with the primitives. Corrections ease in and out over the swing, matched in velocity.
+/// What heel and ball of a foot do while they are planted was learned with the primitives: mean height and mean slide at every phase of a
+/// step. The feet of drawn steps waver about that. The shift s of each ankle over the clip takes it out; it is the least of
+///   sum_f |s|^2 + (hold_s)^2 c |ds/dt + slide of the part - learned slide|^2 + (ease_s)^4 |d2s/dt2|^2, over the floor, and of
+///   sum_f s^2 + level c (height of the part + s - learned height)^2 + (ease_s)^4 (d2s/dt2)^2 in height,
+/// c rising from 0 to 1 with the chance that the part is planted. So nothing is switched on or off, and swings stay as they are.
 ///
-/// @param contacts  chance that each part of the feet is planted (4 x frames), as in ContactTrack.
-void LockFeet(const FeetGeometry& feet, const Eigen::Matrix4Xd& contacts, const FootLockOptions& options, MotionClip* clip);
+/// @param contacts  what the steps know of the feet, (kContactRows x frames).
+void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactProfile& contacts, const FootLockOptions& options,
+              MotionClip* clip);
 
 }  // namespace morphograph

@@ -2,12 +2,12 @@
 
 #include <Eigen/Cholesky>
 #include <boost/random/normal_distribution.hpp>
-#include <boost/random/uniform_01.hpp>
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
 
 #include "graph/walk_boundary.h"
 #include "primitives/whitening.h"
+#include "synthesis/draw_index.h"
 
 namespace morphograph {
 namespace {
@@ -41,6 +41,17 @@ std::vector<double> RowOf(const Eigen::MatrixXd& matrix, int row) {
   return values;
 }
 
+// w of what changes from step to step (see MannerModel), and the reverse.
+Eigen::VectorXd InWalk(const MotionPrimitive& primitive, const Eigen::VectorXd& manner, const Eigen::VectorXd& within) {
+  if (primitive.manner.empty()) return within;
+  return manner + primitive.manner.WithinScale(within.size()).cwiseProduct(within);
+}
+
+Eigen::VectorXd WithinWalk(const MotionPrimitive& primitive, const Eigen::VectorXd& manner, const Eigen::VectorXd& whitened) {
+  if (primitive.manner.empty()) return whitened;
+  return (whitened - manner).cwiseQuotient(primitive.manner.WithinScale(whitened.size()));
+}
+
 // Noise drawn whole can, once in thousands of steps, add up to a step far outside of everything captured.
 void KeepInsideCapture(const MotionPrimitive& primitive, Eigen::VectorXd* whitened) {
   const double radius = whitened->norm();
@@ -49,21 +60,6 @@ void KeepInsideCapture(const MotionPrimitive& primitive, Eigen::VectorXd* whiten
 
 }  // namespace
 
-int DrawIndex(const std::vector<double>& weights, std::mt19937_64& rng) {
-  double total = 0;
-  for (const double weight : weights) total += std::max(0.0, weight);
-  if (!(total > 0)) return -1;
-  double left = boost::random::uniform_01<double>()(rng) * total;
-  int last = -1;
-  for (size_t i = 0; i < weights.size(); ++i) {
-    if (!(weights[i] > 0)) continue;
-    last = static_cast<int>(i);
-    left -= weights[i];
-    if (left < 0) break;
-  }
-  return last;
-}
-
 WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng) {
   const MotionPrimitive& model = graph.primitive(primitive);
   WalkStep step;
@@ -71,7 +67,8 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
   std::vector<double> weights;
   for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
   step.component = std::max(0, DrawIndex(weights, rng));
-  step.whitened = DrawStandardNormal(model.reduction.components(), rng);
+  step.manner = DrawManner(graph, model.style_index, MetAt::kTime, rng);
+  step.whitened = InWalk(model, step.manner[primitive], DrawStandardNormal(model.reduction.components(), rng));
   KeepInsideCapture(model, &step.whitened);
   step.latent = Colour(model.mixture.Component(step.component), step.whitened);
   step.log_likelihood = model.mixture.LogDensity(step.latent);
@@ -87,20 +84,25 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
   step.component = std::max(0, DrawIndex(RowOf(transition.component_chances, previous.component), rng));
   Eigen::VectorXd source = previous.whitened;
   if (previous.gathers_speed) KeepInsideCapture(graph.primitive(previous.primitive), &source);
+  source = WithinWalk(graph.primitive(previous.primitive), previous.manner[previous.primitive], source);
   const Eigen::VectorXd mean = transition.Mean(source);
+  step.manner = previous.manner;
+  DriftManner(graph, model.style_index, rng, &step.manner);
   step.gathers_speed = BeginsIn(graph.primitive(previous.primitive)) != WalkBoundary::kWalking;
   step.whitened = mean;
   // From gathering speed to a steady step that is drawn anywhere among them would be a leap: the most likely one leads over.
   if (!previous.gathers_speed) step.whitened += DrawNoise(transition, step.component, rng);
+  step.whitened = InWalk(model, step.manner[step.primitive], step.whitened);
   if (!step.gathers_speed) KeepInsideCapture(model, &step.whitened);
   const MixtureComponent& component = model.mixture.Component(step.component);
   step.latent = Colour(component, step.whitened);
 
   const auto noise = transition.noise_cholesky.triangularView<Eigen::Lower>();
-  const double log_volume = transition.noise_cholesky.diagonal().array().log().sum() + LogVolume(component);
+  const double log_volume = transition.noise_cholesky.diagonal().array().log().sum() +
+                            model.manner.WithinScale(mean.size()).array().log().sum() + LogVolume(component);
   step.log_likelihood = std::log(transition.probability) +
                         std::log(transition.component_chances(previous.component, step.component)) -
-                        0.5 * (noise.solve(step.whitened - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
+                        0.5 * (noise.solve(WithinWalk(model, step.manner[step.primitive], step.whitened) - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
   return step;
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "graph/motion_graph.h"
+#include "synthesis/walk_manner.h"
 
 namespace morphograph {
 
@@ -15,11 +16,12 @@ struct WalkStep {
   int component = 0;          // of the primitive's mixture
   Eigen::VectorXd whitened;   // latent, whitened by that component
   Eigen::VectorXd latent;
+  WalkManner manner;          // of the walk, at this step
   bool gathers_speed = false; // the step after a start: not a steady one, whatever its primitive
   double log_likelihood = 0;  // of this step given the one before
 };
 
-/// Draws a first step from the mixture prior of a primitive.
+/// Draws the manner of a walk and, from the mixture prior of a primitive, its first step.
 WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng);
 
 /// Draws the step that follows over an edge: transition and prior together (METHODS section 3, see TransitionModel).
@@ -27,8 +29,5 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
 /// A step stays within what its primitive has seen. Not so the step after a start: that one is learned from captured second steps, which
 /// still gather speed and lie far outside of the steady ones; it stays near those that its transition has seen.
 WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng);
-
-/// Index drawn with chances proportional to `weights`; -1 when none is positive.
-int DrawIndex(const std::vector<double>& weights, std::mt19937_64& rng);
 
 }  // namespace morphograph

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "synthesis/draw_index.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/foot_lock.h"
 #include "synthesis/graph_walk.h"
@@ -149,7 +150,7 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
                                        rng);
 
   JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start, variant.cross_fade);
-  if (variant.foot_lock) LockFeet(graph.styles()[style].feet, joined.contacts, {}, &joined.clip);
+  if (variant.foot_lock) LockFeet(graph.styles()[style].feet, graph.layout(), joined.contacts, {}, &joined.clip);
   BendToes(&joined.clip);
 
   SynthesisResult result{std::move(joined.clip), {}};

@@ -86,7 +86,7 @@ JoinedSteps JoinSteps(const MotionGraph& graph, const std::vector<StepTrack>& tr
     roots.push_back(Increments(tracks[k], layout, means_of(static_cast<int>(k))[joints[0]]));
   }
 
-  JoinedSteps joined{MotionClip(graph.shared_skeleton(), frame_rate_hz, frames), Eigen::Matrix4Xd::Zero(4, frames)};
+  JoinedSteps joined{MotionClip(graph.shared_skeleton(), frame_rate_hz, frames), ContactProfile::Zero(kContactRows, frames)};
   double heading = start.heading_rad;
   Eigen::Vector2d position = start.position_m;
   MixFinder mixes(tracks, frame_rate_hz, cross_fade);

@@ -10,10 +10,10 @@
 
 namespace morphograph {
 
-/// A clip joined from steps, and the chance of each part of the feet being planted in every frame (4 x frames).
+/// A clip joined from steps, and what its steps know of the feet in every frame.
 struct JoinedSteps {
   MotionClip clip;
-  Eigen::Matrix4Xd contacts;
+  ContactProfile contacts;  // (kContactRows x frames)
 };
 
 /// Joins steps that follow each other into one clip of `frames` frames (METHODS section 3).

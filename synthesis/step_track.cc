@@ -41,7 +41,7 @@ StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, d
   track.end = start + step_frames;
   track.first_frame = first_frame;
   track.poses = spline.Interpolate(shape.poses, positions);
-  track.contacts.resize(4, frames);
+  track.contacts.resize(kContactRows, frames);
   for (int i = 0; i < frames; ++i) {
     const double position = std::clamp(positions[i], 0.0, kPhaseSamples - 1.001);
     const int sample = static_cast<int>(position);

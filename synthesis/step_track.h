@@ -13,7 +13,7 @@ struct StepTrack {
   double end = 0;         // time of the second
   int first_frame = 0;    // of the columns below
   Eigen::MatrixXd poses;      // (channels x frames), in the step's own frame
-  Eigen::Matrix4Xd contacts;  // chance that each part of the feet is planted (4 x frames)
+  ContactProfile contacts;    // (kContactRows x frames)
 
   int frames() const { return static_cast<int>(poses.cols()); }
 };

