@@ -125,13 +125,20 @@ std::string ChartSvg(const Chart& chart) {
   double after_key = 0, after_label = 0;
   std::string parts = KeySvg(chart.series, colours, 0, &after_key);
   parts += YLabelSvg(chart.y_label, chart.better, after_key, &after_label);
+  std::vector<ChartTick> x_ticks;
+  for (size_t i = 0; i < chart.x_names.size(); ++i) x_ticks.push_back({static_cast<double>(i), chart.x_names[i]});
+  if (chart.x_names.empty()) x_ticks = TicksOf(area.x, 7);
+  const auto apart = [&] {
+    return x_ticks.size() > 1 ? area.width * (area.x.Place(x_ticks[1].value) - area.x.Place(x_ticks[0].value)) : area.width;
+  };
   area.left = widest + 12;
   area.top = after_label + 4;
   area.width = kDrawingWidth - area.left - 14;
   area.height = kPlotHeight;
-  std::vector<ChartTick> x_ticks;
-  for (size_t i = 0; i < chart.x_names.size(); ++i) x_ticks.push_back({static_cast<double>(i), chart.x_names[i]});
-  if (chart.x_names.empty()) x_ticks = TicksOf(area.x, 7);
+  if (!x_ticks.empty()) {
+    area.left = std::max(area.left, RoomLeftOf(x_ticks, apart()) - area.width * area.x.Place(x_ticks[0].value));
+    area.width = kDrawingWidth - area.left - 14;
+  }
 
   parts += AxesSvg(area, x_ticks, y_ticks, chart.x_label);
   // Wide and faint things first, what they must not hide last.
@@ -147,7 +154,7 @@ std::string ChartSvg(const Chart& chart) {
   parts += MarksSvg(area, chart.marks);
   if (is_empty)
     parts += SvgText(area.left + area.width / 2, area.top + area.height / 2, "no data", SvgAnchor::kMiddle, "quiet");
-  return SvgElement(area.top + area.height + RoomBelow(chart.x_label), chart.title, Description(chart, colours), parts);
+  return SvgElement(area.top + area.height + RoomBelow(x_ticks, apart(), chart.x_label), chart.title, Description(chart, colours), parts);
 }
 
 }  // namespace morphograph

@@ -55,6 +55,20 @@ void AddRun(const PlotArea& area, const std::vector<std::pair<double, double>>& 
   if (run.size() == 1) path->Dot(run.front().first, run.front().second);
 }
 
+constexpr double kSlant_deg = -35, kSlantSine = 0.574, kSlantCosine = 0.819;
+
+double WidestOf(const std::vector<ChartTick>& ticks) {
+  double widest = 0;
+  for (const ChartTick& tick : ticks) widest = std::max(widest, SvgTextWidth(tick.text, kTextSize));
+  return widest;
+}
+
+bool IsSlanted(const std::vector<ChartTick>& ticks, double apart) { return ticks.size() > 1 && WidestOf(ticks) + 8 > apart; }
+
+double TickRoom(const std::vector<ChartTick>& ticks, double apart) {
+  return IsSlanted(ticks, apart) ? 14 + kSlantSine * WidestOf(ticks) : 20;
+}
+
 double SampleWidth(const ChartSeries& series) {
   return series.form == ChartSeries::Form::kLine ? 24 : 15;
 }
@@ -128,8 +142,12 @@ std::string YLabelSvg(const std::string& label, const std::string& better, doubl
   return svg;
 }
 
-double RoomBelow(const std::string& x_label) {
-  return 20 + 15 * static_cast<double>(SvgWrapped(x_label, kTextSize, kDrawingWidth - 8).size()) + 4;
+double RoomLeftOf(const std::vector<ChartTick>& x_ticks, double apart) {
+  return IsSlanted(x_ticks, apart) ? kSlantCosine * SvgTextWidth(x_ticks.front().text, kTextSize) + 4 : 0;
+}
+
+double RoomBelow(const std::vector<ChartTick>& x_ticks, double apart, const std::string& x_label) {
+  return TickRoom(x_ticks, apart) + 15 * static_cast<double>(SvgWrapped(x_label, kTextSize, kDrawingWidth - 8).size()) + 4;
 }
 
 std::string AxesSvg(const PlotArea& area, const std::vector<ChartTick>& x_ticks, const std::vector<ChartTick>& y_ticks,
@@ -143,19 +161,22 @@ std::string AxesSvg(const PlotArea& area, const std::vector<ChartTick>& x_ticks,
     grid.LineTo(right, y);
     svg += SvgText(area.left - 6, y + 4, tick.text, SvgAnchor::kEnd, "quiet");
   }
+  const double apart = x_ticks.size() > 1 ? area.X(x_ticks[1].value) - area.X(x_ticks[0].value) : area.width;
+  const bool slanted = IsSlanted(x_ticks, apart);
   for (const ChartTick& tick : x_ticks) {
     const double x = area.X(tick.value);
     axis.MoveTo(x, bottom);
     axis.LineTo(x, bottom + 4);
-    svg += SvgText(x, bottom + 16, tick.text, SvgAnchor::kMiddle, "quiet");
+    svg += slanted ? SvgText(x + 3, bottom + 14, tick.text, SvgAnchor::kEnd, "quiet", kSlant_deg)
+                   : SvgText(x, bottom + 16, tick.text, SvgAnchor::kMiddle, "quiet");
   }
   axis.MoveTo(area.left, bottom);
   axis.LineTo(right, bottom);
-  if (!area.y.log && area.y.from < 0 && area.y.to > 0) {
+  if (!y_ticks.empty() && !area.y.log && area.y.from < 0 && area.y.to > 0) {
     axis.MoveTo(area.left, area.Y(0));
     axis.LineTo(right, area.Y(0));
   }
-  double y = bottom + 32;
+  double y = bottom + TickRoom(x_ticks, apart) + 12;
   for (const std::string& line : SvgWrapped(x_label, kTextSize, kDrawingWidth - 8)) {
     svg += SvgText(std::min(area.left + area.width / 2, kDrawingWidth / 2 + 20), y, line, SvgAnchor::kMiddle, "name");
     y += 15;

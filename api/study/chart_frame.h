@@ -40,11 +40,13 @@ std::string KeySvg(const std::vector<ChartSeries>& series, const SeriesColours& 
 /// The label of the y axis over the plot and, where one way is better, which. @param bottom  set to where it ends.
 std::string YLabelSvg(const std::string& label, const std::string& better, double top, double* bottom);
 
-/// Grid, ticks and the label of the x axis.
+/// Grid, ticks and the label of the x axis; names at the x ticks that are too long to stand side by side are slanted.
 std::string AxesSvg(const PlotArea& area, const std::vector<ChartTick>& x_ticks, const std::vector<ChartTick>& y_ticks,
                     const std::string& x_label);
-/// Room that the ticks and the label need below the plot.
-double RoomBelow(const std::string& x_label);
+/// Room that the x ticks and the label need below the plot. @param apart  between two ticks, in units of the drawing.
+double RoomBelow(const std::vector<ChartTick>& x_ticks, double apart, const std::string& x_label);
+/// Room that the first slanted name needs left of its tick; 0 where names stand upright.
+double RoomLeftOf(const std::vector<ChartTick>& x_ticks, double apart);
 
 /// Lines, points and bands; bars are the chart's own.
 std::string SeriesSvg(const PlotArea& area, const ChartSeries& series, const std::string& colour);

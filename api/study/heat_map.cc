@@ -134,7 +134,7 @@ std::string HeatMapSvg(const HeatMap& map) {
     parts += SvgText(area.left + area.width / 2, area.top + area.height / 2, "no data", SvgAnchor::kMiddle, "quiet");
   const std::string description = map.caption + (map.caption.empty() ? "" : " ") + "Across: " + map.x_label + ". Upwards: " + map.y_label +
                                   ". Colour: " + map.value_label + ".";
-  return SvgElement(area.top + area.height + RoomBelow(map.x_label), map.title, description, parts);
+  return SvgElement(area.top + area.height + RoomBelow(x_ticks, area.width / 2, map.x_label), map.title, description, parts);
 }
 
 }  // namespace morphograph

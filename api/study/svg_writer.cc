@@ -44,10 +44,11 @@ void SvgPath::Rectangle(double x, double y, double width, double height) {
   last_.clear();
 }
 
-std::string SvgText(double x, double y, std::string_view text, SvgAnchor anchor, std::string_view kind) {
+std::string SvgText(double x, double y, std::string_view text, SvgAnchor anchor, std::string_view kind, double turn_deg) {
   std::string element = "<text x=\"" + SvgNumber(x) + "\" y=\"" + SvgNumber(y) + "\"";
   if (anchor != SvgAnchor::kStart) element += anchor == SvgAnchor::kMiddle ? " text-anchor=\"middle\"" : " text-anchor=\"end\"";
   if (!kind.empty()) element += " class=\"" + std::string(kind) + "\"";
+  if (turn_deg != 0) element += " transform=\"rotate(" + SvgNumber(turn_deg) + " " + SvgNumber(x) + " " + SvgNumber(y) + ")\"";
   return element + ">" + Escaped(text) + "</text>";
 }
 

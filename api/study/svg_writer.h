@@ -27,8 +27,9 @@ class SvgPath {
 
 enum class SvgAnchor { kStart, kMiddle, kEnd };
 
-/// @param kind  class of the element, may be empty.
-std::string SvgText(double x, double y, std::string_view text, SvgAnchor anchor = SvgAnchor::kStart, std::string_view kind = "");
+/// @param kind  class of the element, may be empty. @param turn_deg  clockwise, about (x, y).
+std::string SvgText(double x, double y, std::string_view text, SvgAnchor anchor = SvgAnchor::kStart, std::string_view kind = "",
+                    double turn_deg = 0);
 std::string SvgPathElement(const SvgPath& path, std::string_view kind);
 std::string SvgLine(double x1, double y1, double x2, double y2, std::string_view kind);
 

@@ -188,6 +188,20 @@ TEST(Chart, SaysWhatIsBetterAndNamesMarksAndSeries) {
   EXPECT_THAT(TextsOf(ChartSvg(chart)), ::testing::IsSupersetOf({"↓ lower is better", "Du Fig. 4.12", "weighted", "components", "error, m²"}));
 }
 
+TEST(Chart, NamesThatDoNotFitSideBySideAreSlanted) {
+  Chart chart = LineChart({0, 1, 2}, {1, 2, 3});
+  chart.series[0].form = ChartSeries::Form::kBars;
+  chart.x_names = {"one", "two", "three"};
+  EXPECT_THAT(ChartSvg(chart), Not(HasSubstr("rotate")));
+  chart.x_names = {"the first kind of weights that was tried", "two", "three"};
+  const std::string slanted = ChartSvg(chart);
+  EXPECT_THAT(slanted, HasSubstr("rotate"));
+  // There is room for them: the drawing is higher than with short names.
+  const auto height = [](const std::string& svg) { return std::stod(svg.substr(svg.find("viewBox=\"0 0 520 ") + 17)); };
+  chart.x_names = {"one", "two", "three"};
+  EXPECT_GT(height(slanted), height(ChartSvg(chart)) + 80);
+}
+
 TEST(Chart, CurvesBreakWhereValuesAreMissing) {
   EXPECT_EQ(std::ranges::count(PathsOf(ChartSvg(LineChart({0, 1, 2, 3, 4}, {1, 2, 3, 2, 1})), "l ").back(), 'M'), 1);
   EXPECT_EQ(std::ranges::count(PathsOf(ChartSvg(LineChart({0, 1, 2, 3, 4}, {1, 2, kNaN, 2, 1})), "l ").back(), 'M'), 2);
