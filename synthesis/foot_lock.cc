@@ -57,7 +57,9 @@ PartTarget TargetOf(int side, int part, const FeetGeometry& feet, const ContactP
   for (Eigen::Index f = 0; f + 1 < frames; ++f) {
     const auto between = [&](int first) { return 0.5 * (contacts(first + row, f) + contacts(first + row, f + 1)); };
     const Eigen::Vector3d velocity = Yaw(headings[static_cast<size_t>(f)]) * Eigen::Vector3d(between(kSlideLeft), 0, between(kSlideForward));
-    target.slide_m.col(f) = options.slide / rate_hz * velocity;
+    // Only where it is sure to be planted: on the way into and out of a stance the foot moves as captured.
+    const double firm = 0.5 * (target.hold[f] + target.hold[f + 1]);
+    target.slide_m.col(f) = (1 - firm * (1 - options.slide)) / rate_hz * velocity;
   }
   return target;
 }
@@ -102,6 +104,16 @@ Eigen::Matrix3Xd Shifts(const FootPath& path, const PartTarget (&targets)[2], do
   return shifts;
 }
 
+// A target for an ankle that stretches the leg no further than part of the way from where it is to straight: close to straight, millimetres
+// of the ankle are centimetres of the knee.
+Eigen::Vector3d WithinReach(const Eigen::Vector3d& hip, const Eigen::Vector3d& ankle, const Eigen::Vector3d& target, double length_m) {
+  constexpr double kStretch = 0.3;
+  const double before = (ankle - hip).norm(), wanted = (target - hip).norm();
+  const double limit = before + kStretch * std::max(0.0, length_m - before);
+  if (wanted <= limit || !(wanted > 0)) return target;
+  return hip + limit / wanted * (target - hip);
+}
+
 }  // namespace
 
 void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactProfile& contacts, const FootLockOptions& options,
@@ -124,7 +136,7 @@ void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactP
       // Most of every swing needs nothing, unless the leg is so straight that its knee might be bent back.
       const bool straight = (path.ankles.col(f) - path.hips.col(f)).norm() > kNearlyStraight * leg.length_m();
       if (!straight && shift.squaredNorm() < kNegligible_m * kNegligible_m) continue;
-      leg.Solve(path.ankles.col(f) + shift, std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
+      leg.Solve(WithinReach(path.hips.col(f), path.ankles.col(f), path.ankles.col(f) + shift, leg.length_m()), std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
     }
   }
 }

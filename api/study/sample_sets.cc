@@ -47,12 +47,12 @@ int PieceFrames(const std::vector<MotionClip>& clips) {
   throw std::invalid_argument("too few clips are as long as half a second");
 }
 
-std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips, int piece_frames) {
+std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips) {
   constexpr int kSecond = 30;
   std::vector<MotionClip> trimmed;
   for (const MotionClip& clip : clips) {
     const int left = clip.frame_count() - 2 * kSecond;
-    if (left >= std::max(15, piece_frames)) trimmed.push_back(clip.Slice(kSecond, left));
+    if (left >= kSecond) trimmed.push_back(clip.Slice(kSecond, left));
   }
   return trimmed;
 }

@@ -125,8 +125,8 @@ TEST(SampleSets, PieceLengthFollowsTheClips) {
   EXPECT_EQ(PieceFrames(clips), 90);
   EXPECT_EQ(PieceFrames({clips[2], clips[3]}), 15);
   EXPECT_THROW(PieceFrames({MotionClip(skeleton, 30, 10)}), std::invalid_argument);
-  EXPECT_EQ(Trimmed({MotionClip(skeleton, 30, 150)}, 90).at(0).frame_count(), 90);
-  EXPECT_TRUE(Trimmed({MotionClip(skeleton, 30, 149)}, 90).empty());
+  EXPECT_EQ(Trimmed({MotionClip(skeleton, 30, 150)}).at(0).frame_count(), 90);
+  EXPECT_TRUE(Trimmed({MotionClip(skeleton, 30, 89)}).empty());
 }
 
 TEST(SampleSets, ProportionFollowsTheCapture) {
