@@ -55,6 +55,24 @@ Eigen::VectorXd Speeds(const Eigen::Matrix3Xd& path, double rate_hz) {
   return speeds;
 }
 
+// Deviation of white noise on a coordinate, metres: median fourth difference of samples some 1/30 s apart, in which motion cancels.
+double Jitter(const FootPath (&feet)[2], double rate_hz) {
+  const int apart = std::max(1, static_cast<int>(std::lround(rate_hz / 30)));
+  std::vector<double> sizes;
+  for (const FootPath& foot : feet) {
+    for (const Eigen::Matrix3Xd* path : {&foot.ankle, &foot.ball}) {
+      for (Eigen::Index f = 2 * apart; f + 2 * apart < path->cols(); ++f) {
+        const Eigen::Vector3d fourth = path->col(f - 2 * apart) - 4 * path->col(f - apart) + 6 * path->col(f) -
+                                       4 * path->col(f + apart) + path->col(f + 2 * apart);
+        for (const double d : fourth) sizes.push_back(std::abs(d));
+      }
+    }
+  }
+  if (sizes.empty()) return 0;
+  constexpr double kMedianOfNormal = 0.6745;
+  return Median(std::move(sizes)) / kMedianOfNormal / std::sqrt(70.0);  // 70 = 1 + 16 + 36 + 16 + 1
+}
+
 void RequireRoles(const MotionClip& clip) {
   const std::vector<std::string> missing =
       clip.skeleton().roles().Missing({JointRole::kLeftKnee, JointRole::kLeftAnkle, JointRole::kLeftToe,
@@ -224,11 +242,18 @@ ContactTrack Detect(const MotionClip& clip, PoseOf pose_of, const ContactOptions
       feet[side].rotation[f] = pose.rotations[ankles[side]];
     }
   }
+  const bool jittery = Jitter(feet, rate) > options.jitter_m;
+  for (FootPath& foot : feet) {
+    if (!jittery) break;
+    foot.ankle = LowPass(foot.ankle, rate, options.jittery_low_pass_hz);
+    foot.ball = LowPass(foot.ball, rate, options.jittery_low_pass_hz);
+  }
   for (int side = 0; side < 2; ++side) {
     FootPath& foot = feet[side];
     const Eigen::Vector3d heel_in_foot = HeelInFoot(foot, rate, options.heel_behind_m);
     foot.heel.resize(3, frames);
     for (int f = 0; f < frames; ++f) foot.heel.col(f) = foot.ankle.col(f) + foot.rotation[f] * heel_in_foot;
+    if (jittery) foot.heel = LowPass(foot.heel, rate, options.jittery_low_pass_hz);
     if (rate > kFilterAboveHz) {
       foot.ball = LowPass(foot.ball, rate, options.low_pass_hz);
       foot.heel = LowPass(foot.heel, rate, options.low_pass_hz);

@@ -28,6 +28,8 @@ struct ContactOptions {
   double min_contact_s = 0.12; // dropped when shorter
   double heel_behind_m = 0.05; // heel = point fixed in the foot, this far behind the ankle, at ball height
   double low_pass_hz = 10;     // of clips above 60 frames a second, before speeds are taken
+  double jitter_m = 0.005;      // feet that jitter more are smoothed first, or they would never be slow
+  double jittery_low_pass_hz = 4;
   double plane_residual_m = 0.012;  // stances that lie within this (root mean square) of a plane share it as floor
 };
 
@@ -58,7 +60,8 @@ struct ContactTrack {
 /// that the first frame of a stance counts. The floor goes through the median ball heights of the stances: a plane
 /// where one fits them, else interpolated in time, so tilted floors and steps do not matter. The heel is a point fixed
 /// in the foot that lies at ball height in flat stances. A contact shorter than `min_contact_s` is dropped at the
-/// ends of the clip too, where it cannot be told from a graze.
+/// ends of the clip too, where it cannot be told from a graze. Where the feet jitter, as in raw markerless captures, the track is of
+/// smoothed feet (clean recordings: 0.1 to 0.7 mm of white noise on a coordinate, 2.2 mm at most).
 /// @throws std::invalid_argument when knees, ankles or toes have no role.
 ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& options = {});
 

@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "datasets/low_pass.h"
+#include "datasets/noise_model.h"
 #include "datasets/synthetic_gait.h"
 
 namespace morphograph {
@@ -92,6 +93,25 @@ TEST(ContactDetectorTest, BothFeetStandThroughAStand) {
   for (const ContactInterval& contact : track.intervals) {
     EXPECT_EQ(contact.first, 0);
     EXPECT_EQ(contact.last, 29);
+  }
+}
+
+// Unsmoothed, feet that jitter by 3 cm a frame never are slow, and nothing can be learned of such a capture.
+TEST(ContactDetectorTest, FindsTheStancesOfAJitteryCapture) {
+  for (const double rate : {30.0, 120.0}) {
+    SyntheticGaitOptions options = Walk(rate);
+    options.steps = 20;
+    const MotionClip clip = GenerateGait(options);
+    NoiseOptions noise;
+    noise.slips_per_s = noise.dropouts_per_s = 0;
+    const ContactTrack clean = DetectContacts(clip), noisy = DetectContacts(AddNoise(clip, noise, 3));
+    const auto standing = [&](const ContactTrack& track, int side, int f) { return track.planted.col(f).segment<2>(2 * side).any(); };
+    int same = 0;
+    for (int f = 0; f < clip.frame_count(); ++f) {
+      for (int side = 0; side < 2; ++side) same += standing(clean, side, f) == standing(noisy, side, f);
+    }
+    EXPECT_GT(same / (2.0 * clip.frame_count()), 0.85) << rate;
+    EXPECT_NEAR(static_cast<double>(noisy.intervals.size()), static_cast<double>(clean.intervals.size()), 3) << rate;
   }
 }
 
