@@ -8,6 +8,10 @@
 #include <stdexcept>
 
 #include "api/keyframe_examples.h"
+#include "api/study/alignment_study.h"
+#include "api/study/keyframe_study.h"
+#include "api/study/mixture_study.h"
+#include "api/study/reduction_study.h"
 #include "api/study/sample_study.h"
 #include "api/study/transition_study.h"
 #include "api/training.h"
@@ -31,6 +35,10 @@ struct Part {
 
 const std::vector<Part>& Parts() {
   static const std::vector<Part> parts = {
+      {"keyframes", "key frames", 60, StudyKeyframes},
+      {"alignment", "alignment", 10, StudyAlignment},
+      {"reduction", "reduction", 20, StudyReduction},
+      {"mixture", "mixture", 40, StudyMixture},
       {"transitions", "transitions", 30, StudyTransitions},
       {"feet_and_flow", "feet and flow of the samples", 20, StudyFeetAndFlow},
       {"likeness", "likeness of synthesised and captured clips", 100, StudyLikeness},
