@@ -12,6 +12,7 @@ namespace morphograph {
 namespace {
 
 constexpr double kNegligible_m = 1e-6;
+constexpr double kFloorGive_m = 0.005;     // that joints may sink below y = 0: floors are level to half a centimetre
 constexpr double kNearlyStraight = 0.985;  // of the leg's length: knees bent by less than some 20 degrees
 
 // One foot over a clip.
@@ -130,8 +131,9 @@ void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactP
     const Eigen::Matrix3Xd shifts = Shifts(path, targets, rate_hz, options);
     for (int f = 0; f < frames; ++f) {
       Eigen::Vector3d shift = shifts.col(f);
-      // No heel or ball comes lower than captured ones do.
-      const double above = std::min(path.parts[0](1, f) - feet.heel_lowest_m[side], path.parts[1](1, f) - feet.ball_lowest_m[side]);
+      // No heel or ball comes lower than captured ones do, nor through the floor.
+      const double above = std::min(path.parts[0](1, f) - std::max(feet.heel_lowest_m[side], -kFloorGive_m),
+                                    path.parts[1](1, f) - std::max(feet.ball_lowest_m[side], -kFloorGive_m));
       shift.y() = std::max(shift.y(), -above);
       // Most of every swing needs nothing, unless the leg is so straight that its knee might be bent back.
       const bool straight = (path.ankles.col(f) - path.hips.col(f)).norm() > kNearlyStraight * leg.length_m();
