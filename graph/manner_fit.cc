@@ -47,8 +47,9 @@ Eigen::VectorXd PredictManner(const Eigen::VectorXd& share, const Eigen::MatrixX
 
 MannerModel FitManner(const MannerSteps& steps, const MannerFitOptions& options) {
   const size_t count = static_cast<size_t>(steps.whitened.cols());
-  if (steps.walk.size() != count || steps.ordinal.size() != count || steps.seconds.size() != count) {
-    throw std::invalid_argument("FitManner: needs walk, number and duration of every step");
+  if (steps.walk.size() != count || steps.ordinal.size() != count || steps.seconds.size() != count ||
+      steps.component.size() != count) {
+    throw std::invalid_argument("FitManner: needs component, walk, number and duration of every step");
   }
   std::vector<std::vector<int>> of_walk(static_cast<size_t>(std::max(0, steps.walks)));
   for (size_t i = 0; i < count; ++i) of_walk.at(static_cast<size_t>(steps.walk[i])).push_back(static_cast<int>(i));
@@ -60,6 +61,7 @@ MannerModel FitManner(const MannerSteps& steps, const MannerFitOptions& options)
   manner.share = (apart.mean > 2 * apart.error).select(apart.mean, 0).min(options.largest_share);
 
   manner.captured = Eigen::MatrixXf::Zero(steps.whitened.rows(), steps.walks);
+  manner.components = Eigen::MatrixXf::Ones(steps.component_weights.size(), steps.walks);
   for (int walk = 0; walk < steps.walks; ++walk) {
     const std::vector<int>& members = of_walk[static_cast<size_t>(walk)];
     manner.steps.push_back(static_cast<int>(members.size()));
@@ -68,6 +70,11 @@ MannerModel FitManner(const MannerSteps& steps, const MannerFitOptions& options)
     manner.seconds.push_back(static_cast<float>(seconds));
     if (!members.empty()) {
       manner.captured.col(walk) = PredictManner(manner.share, steps.whitened(Eigen::all, members)).cast<float>();
+      // Counts and, worth a hundredth of a step, what all walks do: where walks keep to a component, drawn ones must too, as a manner
+      // is told in the coordinates of its component.
+      Eigen::VectorXd met = 0.01 * steps.component_weights;
+      for (const int i : members) met[steps.component[static_cast<size_t>(i)]] += 1;
+      manner.components.col(walk) = (met.array() / (met.sum() * steps.component_weights.array())).matrix().cast<float>();
     }
   }
   return manner;
@@ -129,19 +136,24 @@ void FitManners(const TrainingSet& set, std::vector<FittedPrimitive>* fitted) {
     FittedPrimitive& primitive = (*fitted)[c];
     const GaussianMixture& mixture = primitive.primitive.mixture;
     Eigen::MatrixXd whitened(primitive.latents.rows(), primitive.latents.cols());
+    std::vector<int> components;
     for (Eigen::Index m = 0; m < whitened.cols(); ++m) {
       const Eigen::VectorXd latent = primitive.latents.col(m);
-      whitened.col(m) = Whiten(mixture.Component(mixture.MostLikely(latent)), latent);
+      components.push_back(mixture.MostLikely(latent));
+      whitened.col(m) = Whiten(mixture.Component(components.back()), latent);
     }
     const std::map<int, std::vector<int>> places = SteadyByClip(set, members);
     MannerSteps steps;
     steps.walks = static_cast<int>(walks[members.style].size());
+    steps.component_weights.resize(mixture.size());
+    for (int k = 0; k < mixture.size(); ++k) steps.component_weights[k] = std::exp(mixture.Component(k).log_weight);
     std::vector<int> used;
     for (const auto& [clip, of_clip] : places) {
       if (!teaches(clip)) continue;
       for (const int m : of_clip) {
         const int step = members.members[m];
         used.push_back(m);
+        steps.component.push_back(components[m]);
         steps.walk.push_back(walks[members.style].at(clip));
         steps.ordinal.push_back(ordinals[step]);
         steps.seconds.push_back(set.steps[step].span.frames() / set.clips[clip].clip.frame_rate_hz());

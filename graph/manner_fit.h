@@ -12,6 +12,8 @@ namespace morphograph {
 /// The steps of a primitive, as a manner is learned from them.
 struct MannerSteps {
   Eigen::MatrixXd whitened;  // (D x n) latents, each whitened by its mixture component
+  std::vector<int> component;  // (n) its mixture component
+  Eigen::VectorXd component_weights;  // (mixture components) that the mixture gives them, sum 1
   std::vector<int> walk;     // (n) captured walk of each, in [0, walks)
   std::vector<int> ordinal;  // (n) number of the step in its walk
   std::vector<double> seconds;  // (n) duration

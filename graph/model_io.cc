@@ -107,6 +107,7 @@ json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
   if (!primitive.manner.empty()) {
     value["manner"] = {{"share", arrays->Doubles(primitive.manner.share)},
                        {"captured", arrays->Shorts(primitive.manner.captured)},
+                       {"components", arrays->Floats(primitive.manner.components)},
                        {"steps", primitive.manner.steps},
                        {"seconds", primitive.manner.seconds}};
   }
@@ -229,6 +230,7 @@ MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyl
     const json& manner = value.at("manner");
     primitive.manner.share = arrays.Doubles(manner.at("share")).reshaped();
     primitive.manner.captured = arrays.Floats(manner.at("captured"));
+    primitive.manner.components = arrays.Floats(manner.at("components"));
     primitive.manner.steps = manner.at("steps").get<std::vector<int>>();
     primitive.manner.seconds = manner.at("seconds").get<std::vector<float>>();
   }

@@ -52,6 +52,12 @@ Eigen::VectorXd WithinWalk(const MotionPrimitive& primitive, const Eigen::Vector
   return (whitened - manner).cwiseQuotient(primitive.manner.WithinScale(whitened.size()));
 }
 
+// A mixture component by its chances, as the manner of the walk has it.
+int DrawComponent(std::vector<double> chances, const Eigen::VectorXd& factors, std::mt19937_64& rng) {
+  for (Eigen::Index c = 0; c < factors.size(); ++c) chances[static_cast<size_t>(c)] *= factors[c];
+  return std::max(0, DrawIndex(chances, rng));
+}
+
 // Noise drawn whole can, once in thousands of steps, add up to a step far outside of everything captured.
 void KeepInsideCapture(const MotionPrimitive& primitive, Eigen::VectorXd* whitened) {
   const double radius = whitened->norm();
@@ -66,9 +72,9 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
   step.primitive = primitive;
   std::vector<double> weights;
   for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
-  step.component = std::max(0, DrawIndex(weights, rng));
   step.manner = DrawManner(graph, model.style_index, MetAt::kTime, rng);
-  step.whitened = InWalk(model, step.manner[primitive], DrawStandardNormal(model.reduction.components(), rng));
+  step.component = DrawComponent(weights, step.manner.components[primitive], rng);
+  step.whitened = InWalk(model, step.manner.m[primitive], DrawStandardNormal(model.reduction.components(), rng));
   KeepInsideCapture(model, &step.whitened);
   step.latent = Colour(model.mixture.Component(step.component), step.whitened);
   step.log_likelihood = model.mixture.LogDensity(step.latent);
@@ -81,18 +87,18 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
   step.primitive = graph.edge_to(edge);
   step.edge = edge;
   const MotionPrimitive& model = graph.primitive(step.primitive);
-  step.component = std::max(0, DrawIndex(RowOf(transition.component_chances, previous.component), rng));
-  Eigen::VectorXd source = previous.whitened;
-  if (previous.gathers_speed) KeepInsideCapture(graph.primitive(previous.primitive), &source);
-  source = WithinWalk(graph.primitive(previous.primitive), previous.manner[previous.primitive], source);
-  const Eigen::VectorXd mean = transition.Mean(source);
   step.manner = previous.manner;
   DriftManner(graph, model.style_index, rng, &step.manner);
+  step.component = DrawComponent(RowOf(transition.component_chances, previous.component), step.manner.components[step.primitive], rng);
+  Eigen::VectorXd source = previous.whitened;
+  if (previous.gathers_speed) KeepInsideCapture(graph.primitive(previous.primitive), &source);
+  source = WithinWalk(graph.primitive(previous.primitive), previous.manner.m[previous.primitive], source);
+  const Eigen::VectorXd mean = transition.Mean(source);
   step.gathers_speed = BeginsIn(graph.primitive(previous.primitive)) != WalkBoundary::kWalking;
   step.whitened = mean;
   // From gathering speed to a steady step that is drawn anywhere among them would be a leap: the most likely one leads over.
   if (!previous.gathers_speed) step.whitened += DrawNoise(transition, step.component, rng);
-  step.whitened = InWalk(model, step.manner[step.primitive], step.whitened);
+  step.whitened = InWalk(model, step.manner.m[step.primitive], step.whitened);
   if (!step.gathers_speed) KeepInsideCapture(model, &step.whitened);
   const MixtureComponent& component = model.mixture.Component(step.component);
   step.latent = Colour(component, step.whitened);
@@ -102,7 +108,7 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
                             model.manner.WithinScale(mean.size()).array().log().sum() + LogVolume(component);
   step.log_likelihood = std::log(transition.probability) +
                         std::log(transition.component_chances(previous.component, step.component)) -
-                        0.5 * (noise.solve(WithinWalk(model, step.manner[step.primitive], step.whitened) - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
+                        0.5 * (noise.solve(WithinWalk(model, step.manner.m[step.primitive], step.whitened) - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
   return step;
 }
 

@@ -8,19 +8,28 @@
 namespace morphograph {
 namespace {
 
-// Correlation of a manner with itself a step later: half of it is left after some 23 steps, more than a captured walk holds.
-constexpr double kKept = 0.97;
+// Correlation of a manner with itself a step later: half of it is left after some 46 steps. Faster, and a clip of ten seconds would already
+// mix manners that no walker has together.
+constexpr double kKept = 0.985;
 
-}  // namespace
+// How much alike the mixture components are that two walks keep to, 0 to 1, by the first primitive that tells.
+double Likeness(const WalkManner& manner, const MotionPrimitive& primitive, size_t id, int walk) {
+  const Eigen::VectorXd &mine = manner.components[id], other = primitive.manner.components.col(walk).cast<double>();
+  return mine.dot(other) / (mine.norm() * other.norm());
+}
 
-WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng) {
-  WalkManner drawn(static_cast<size_t>(graph.primitive_count()));
+WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner* like, std::mt19937_64& rng) {
+  const size_t count = static_cast<size_t>(graph.primitive_count());
+  WalkManner drawn{std::vector<Eigen::VectorXd>(count), std::vector<Eigen::VectorXd>(count)};
   std::vector<double> weights;  // of every captured walk, over the primitives
   for (int p = 0; p < graph.primitive_count(); ++p) {
     const MannerModel& manner = graph.primitive(p).manner;
     if (graph.primitive(p).style_index != style || manner.empty()) continue;
     weights.resize(manner.steps.size(), 0);
-    for (size_t walk = 0; walk < weights.size(); ++walk) weights[walk] += met == MetAt::kTime ? manner.seconds[walk] : manner.steps[walk];
+    for (size_t walk = 0; walk < weights.size(); ++walk) {
+      const double alike = like ? Likeness(*like, graph.primitive(p), static_cast<size_t>(p), static_cast<int>(walk)) : 1;
+      weights[walk] += alike * (met == MetAt::kTime ? manner.seconds[walk] : manner.steps[walk]);
+    }
   }
   const int walk = DrawIndex(weights, rng);
   if (walk < 0) return drawn;
@@ -29,7 +38,8 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
     const MannerModel& manner = graph.primitive(p).manner;
     if (graph.primitive(p).style_index != style || manner.empty()) continue;
     const double n = manner.steps[static_cast<size_t>(walk)];
-    Eigen::VectorXd& m = drawn[static_cast<size_t>(p)];
+    drawn.components[static_cast<size_t>(p)] = manner.components.col(walk).cast<double>();
+    Eigen::VectorXd& m = drawn.m[static_cast<size_t>(p)];
     m = manner.captured.col(walk).cast<double>();
     for (Eigen::Index d = 0; d < m.size(); ++d) {
       const double b = manner.share[d];
@@ -40,11 +50,17 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
   return drawn;
 }
 
+}  // namespace
+
+WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng) { return Draw(graph, style, met, nullptr, rng); }
+
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {
-  const WalkManner other = DrawManner(graph, style, MetAt::kStep, rng);
+  const WalkManner other = Draw(graph, style, MetAt::kStep, manner, rng);
   const double fresh = std::sqrt(1 - kKept * kKept);
-  for (size_t p = 0; p < manner->size(); ++p) {
-    if ((*manner)[p].size() > 0) (*manner)[p] = kKept * (*manner)[p] + fresh * other[p];
+  for (size_t p = 0; p < manner->m.size(); ++p) {
+    if (manner->m[p].size() == 0) continue;
+    manner->m[p] = kKept * manner->m[p] + fresh * other.m[p];
+    manner->components[p] = kKept * manner->components[p] + (1 - kKept) * other.components[p];
   }
 }
 

@@ -8,9 +8,11 @@
 
 namespace morphograph {
 
-/// The manner of a walk under way: m of MannerModel for every primitive of its style, by primitive id; empty vectors for the others
-/// and where a primitive has no manner.
-using WalkManner = std::vector<Eigen::VectorXd>;
+/// The manner of a walk under way, by primitive id; empty vectors for primitives of other styles and for those without a manner.
+struct WalkManner {
+  std::vector<Eigen::VectorXd> m;           // of MannerModel
+  std::vector<Eigen::VectorXd> components;  // factors on the chances of mixture components
+};
 
 /// How often a captured walk's manner is met: at a step drawn from all steps, or at a time drawn from all time. Slow walks hold more
 /// time than steps. A clip begins at some time; the manner of a walk that goes on changes step by step.
@@ -20,7 +22,7 @@ enum class MetAt { kStep, kTime };
 /// captured walk goes together here.
 WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng);
 
-/// The manner a step later. It drifts slowly, so that long walks come round to every manner of the style, and keeps its variance.
+/// The manner a step later. It drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance.
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner);
 
 }  // namespace morphograph

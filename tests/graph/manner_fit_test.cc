@@ -15,6 +15,7 @@ MannerSteps Walks(int walks, int length, std::vector<double>* manners) {
   boost::random::normal_distribution<double> normal;
   MannerSteps steps;
   steps.walks = walks;
+  steps.component_weights = Eigen::Vector2d(0.5, 0.5);
   steps.whitened.resize(2, walks * length);
   for (int walk = 0; walk < walks; ++walk) {
     const double manner = std::sqrt(0.6) * normal(rng);
@@ -25,6 +26,7 @@ MannerSteps Walks(int walks, int length, std::vector<double>* manners) {
       steps.whitened(0, column) = manner + std::sqrt(0.4) * normal(rng);
       steps.whitened(1, column) = turn;
       turn = 0.5 * turn + std::sqrt(1 - 0.25) * normal(rng);
+      steps.component.push_back(walk % 2);
       steps.walk.push_back(walk);
       steps.ordinal.push_back(2 * i);
       steps.seconds.push_back(0.5);
@@ -47,6 +49,9 @@ TEST(MannerFit, FindsWhatStaysOverAWalkAndOnlyThat) {
   }
   // Of the best prediction from six steps, 0.4 / 6 / (0.6 + 0.4 / 6) = 0.1 of the variance is missed.
   EXPECT_NEAR(missed / all, 0.1, 0.03);
+  // Six steps of one component and a hundredth of a step of all walks, against a half.
+  EXPECT_NEAR(manner.components(0, 0), 6.005 / 6.01 / 0.5, 1e-5);
+  EXPECT_NEAR(manner.components(1, 0), 0.005 / 6.01 / 0.5, 1e-5);
 }
 
 TEST(MannerFit, FindsNoneInStepsThatShareNothing) {
@@ -54,9 +59,11 @@ TEST(MannerFit, FindsNoneInStepsThatShareNothing) {
   boost::random::normal_distribution<double> normal;
   MannerSteps steps;
   steps.walks = 100;
+  steps.component_weights = Eigen::VectorXd::Ones(1);
   steps.whitened.resize(30, 600);
   for (double& value : steps.whitened.reshaped()) value = normal(rng);
   for (int i = 0; i < 600; ++i) {
+    steps.component.push_back(0);
     steps.walk.push_back(i / 6);
     steps.ordinal.push_back(i % 6);
     steps.seconds.push_back(0.5);
@@ -70,8 +77,9 @@ TEST(MannerFit, FindsNoneInStepsThatShareNothing) {
 TEST(MannerFit, NeedsWalksOfSeveralSteps) {
   MannerSteps steps;
   steps.walks = 50;
+  steps.component_weights = Eigen::VectorXd::Ones(1);
   steps.whitened = Eigen::MatrixXd::Ones(3, 50);
-  for (int i = 0; i < 50; ++i) steps.walk.push_back(i), steps.ordinal.push_back(0), steps.seconds.push_back(1);
+  for (int i = 0; i < 50; ++i) steps.component.push_back(0), steps.walk.push_back(i), steps.ordinal.push_back(0), steps.seconds.push_back(1);
   EXPECT_TRUE(FitManner(steps).empty());
   steps.walk.pop_back();
   EXPECT_THROW(FitManner(steps), std::invalid_argument);
