@@ -238,14 +238,16 @@ StudySection StudyKeyframes(StudyContext& context) {
                              .unit = "s",
                              .published = 600,
                              .source = "Du 4.2.4",
-                             .note = "one thread, scaled from the frames at hand; another machine"});
+                             .note = "one thread, scaled from the frames at hand; another machine",
+                             .is_time = true});
   if (can_learn) {
     section.figures.push_back({.what = "time for the key frames of 23,467 frames, learned",
                                .value = seconds_for_published(learned[0].detection),
                                .unit = "s",
                                .published = 2 * 3600,
                                .source = "Du 4.2.4",
-                               .note = "published as \"several hours\", two are taken; one thread, after teaching"});
+                               .note = "published as \"several hours\", two are taken; one thread, after teaching",
+                             .is_time = true});
   }
   section.data["clips"] = known.size();
   section.data["frames"] = frames;

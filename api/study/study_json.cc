@@ -39,9 +39,15 @@ std::string StudyJson(const StudyReport& report) {
     frames += style.frames;
     clips += style.clips;
   }
+  Json clocked = Json::array();
   for (const StudySection& section : report.sections) {
     Json figures = Json::array();
     for (const StudyFigure& figure : section.figures) {
+      if (figure.is_time) {
+        clocked.push_back(FigureJson(figure));
+        clocked.back()["section"] = section.id;
+        continue;
+      }
       figures.push_back(FigureJson(figure));
       table.push_back(figures.back());
       table.back()["section"] = section.id;
@@ -55,6 +61,7 @@ std::string StudyJson(const StudyReport& report) {
     all_s += seconds;
   }
   times["seconds"]["all"] = all_s;
+  times["figures"] = std::move(clocked);
   const Json json = {{"version", MORPHOGRAPH_VERSION},
                      {"quick", report.quick},
                      {"seed", report.seed},

@@ -19,6 +19,7 @@ struct StudyFigure {
   std::string source = {};                // of the published figure: "Du Table 4.4"
   std::optional<double> at_least = {}, at_most = {};  // what this project asks of itself
   std::string note = {};                  // what differs from the published setting
+  bool is_time = false;              // measured with a clock: goes with the times in study.json, as it is never twice the same
   bool Holds() const {
     return value && (!at_least || *value >= *at_least) && (!at_most || *value <= *at_most);
   }
