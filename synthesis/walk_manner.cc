@@ -18,7 +18,7 @@ double Likeness(const WalkManner& manner, const MotionPrimitive& primitive, size
   return mine.dot(other) / (mine.norm() * other.norm());
 }
 
-WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner* like, std::mt19937_64& rng) {
+WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner* like, std::mt19937_64& rng, WalkManner* mean = nullptr) {
   const size_t count = static_cast<size_t>(graph.primitive_count());
   WalkManner drawn{std::vector<Eigen::VectorXd>(count), std::vector<Eigen::VectorXd>(count)};
   std::vector<double> weights;  // of every captured walk, over the primitives
@@ -29,6 +29,15 @@ WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner
     for (size_t walk = 0; walk < weights.size(); ++walk) {
       const double alike = like ? Likeness(*like, graph.primitive(p), static_cast<size_t>(p), static_cast<int>(walk)) : 1;
       weights[walk] += alike * (met == MetAt::kTime ? manner.seconds[walk] : manner.steps[walk]);
+    }
+  }
+  if (mean) {
+    const Eigen::Map<const Eigen::VectorXd> shares(weights.data(), static_cast<Eigen::Index>(weights.size()));
+    mean->m.assign(count, {});
+    for (int p = 0; p < graph.primitive_count() && shares.sum() > 0; ++p) {
+      const MannerModel& manner = graph.primitive(p).manner;
+      if (graph.primitive(p).style_index != style || manner.empty()) continue;
+      mean->m[static_cast<size_t>(p)] = (manner.captured * shares.cast<float>()).cast<double>() / shares.sum();
     }
   }
   const int walk = DrawIndex(weights, rng);
@@ -55,11 +64,13 @@ WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner
 WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng) { return Draw(graph, style, met, nullptr, rng); }
 
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {
-  const WalkManner other = Draw(graph, style, MetAt::kStep, manner, rng);
+  WalkManner mean;  // of all that may be drawn: what is left of a manner and what is new of it must not add up to more than it
+  const WalkManner other = Draw(graph, style, MetAt::kStep, manner, rng, &mean);
   const double fresh = std::sqrt(1 - kKept * kKept);
   for (size_t p = 0; p < manner->m.size(); ++p) {
     if (manner->m[p].size() == 0) continue;
-    manner->m[p] = kKept * manner->m[p] + fresh * other.m[p];
+    if (other.m[p].size() == 0) continue;
+    manner->m[p] = mean.m[p] + kKept * (manner->m[p] - mean.m[p]) + fresh * (other.m[p] - mean.m[p]);
     manner->components[p] = kKept * manner->components[p] + (1 - kKept) * other.components[p];
   }
 }
