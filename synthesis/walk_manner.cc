@@ -12,12 +12,14 @@ namespace {
 // mix manners that no walker has together.
 constexpr double kKept = 0.985;
 
-// How much alike the mixture components are that two walks keep to, 0 to 1, by the first primitive that tells.
+// How much alike the mixture components are that two walks keep to in a primitive, 0 to 1.
 double Likeness(const WalkManner& manner, const MotionPrimitive& primitive, size_t id, int walk) {
-  const Eigen::VectorXd &mine = manner.components[id], other = primitive.manner.components.col(walk).cast<double>();
+  const Eigen::VectorXd& mine = manner.components[id];
+  const Eigen::VectorXd other = primitive.manner.components.col(walk).cast<double>();
   return mine.dot(other) / (mine.norm() * other.norm());
 }
 
+// Draws among all walks of the style, or by their likeness to one; `mean`, if given, is what m would be on average, without its noise.
 WalkManner Draw(const MotionGraph& graph, int style, MetAt met, const WalkManner* like, std::mt19937_64& rng, WalkManner* mean = nullptr) {
   const size_t count = static_cast<size_t>(graph.primitive_count());
   WalkManner drawn{std::vector<Eigen::VectorXd>(count), std::vector<Eigen::VectorXd>(count)};
@@ -68,8 +70,7 @@ void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, Walk
   const WalkManner other = Draw(graph, style, MetAt::kStep, manner, rng, &mean);
   const double fresh = std::sqrt(1 - kKept * kKept);
   for (size_t p = 0; p < manner->m.size(); ++p) {
-    if (manner->m[p].size() == 0) continue;
-    if (other.m[p].size() == 0) continue;
+    if (manner->m[p].size() == 0 || other.m[p].size() == 0) continue;
     manner->m[p] = mean.m[p] + kKept * (manner->m[p] - mean.m[p]) + fresh * (other.m[p] - mean.m[p]);
     manner->components[p] = kKept * manner->components[p] + (1 - kKept) * other.components[p];
   }
