@@ -18,7 +18,7 @@ Problem ProblemFrom(std::exception_ptr error) {
   } catch (const UnsatisfiableRequest& unmet) {
     problem.status = 422;
     problem.detail = "the request cannot be met";
-    problem.errors = {{unmet.pointer(), unmet.what()}};
+    for (const UnmetField& field : unmet.unmet()) problem.errors.push_back({field.pointer, field.detail});
   } catch (const TrainingUsageError& unfit) {
     problem.status = 400;
     problem.detail = "the settings are malformed";

@@ -137,6 +137,7 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
   if (const auto problem = request.FirstProblem()) {
     throw std::invalid_argument("SynthesisRequest: " + problem->first + " " + problem->second);
   }
+  if (!request.control.empty()) throw UnsatisfiableRequest("", "this version of the library cannot steer a clip yet");
   std::mt19937_64 rng(request.seed);
   const double rate_hz = request.frame_rate_hz.value_or(graph.frame_rate_hz());
   const int style = DrawStyle(graph, request, rng);

@@ -9,6 +9,7 @@
 #include "datasets/contact_detector.h"
 #include "datasets/motion_clip.h"
 #include "graph/walk_boundary.h"
+#include "synthesis/control/control_terms.h"
 
 namespace morphograph {
 
@@ -25,16 +26,24 @@ struct StartPose {
   double heading_rad = 0;
 };
 
-/// What to synthesise. Either `duration_s` or `steps`; neither means 5 s. A clip that does not end inside the walk has as many steps
-/// as bring it nearest to its duration.
+/// Which parts of the start pose a request fixes. With a path or a goal, what it leaves open begins on the path, along it.
+struct StartGiven {
+  bool position = false;
+  bool heading = false;
+};
+
+/// What to synthesise. Either `duration_s` or `steps`; neither means as long as a path or a goal takes, and 5 s without them. A clip
+/// that does not end inside the walk has as many steps as bring it nearest to its duration.
 struct SynthesisRequest {
   std::uint64_t seed = 0;
   std::optional<std::string> style;   // any of the graph's styles; drawn by the seed when empty
   std::optional<double> duration_s;   // (0, kMaxDuration_s]
   std::optional<int> steps;           // [1, kMaxSteps]
   StartPose start;
+  StartGiven start_given;
   WalkBoundary start_from = WalkBoundary::kWalking;  // what the clip begins out of
   WalkBoundary end = WalkBoundary::kWalking;         // what it ends in
+  ControlTerms control;
   std::optional<double> frame_rate_hz;  // [kMinFrameRate_hz, kMaxFrameRate_hz]; the model's own when empty
 
   /// What is wrong with the numbers, if anything: the field's name and the reason.
@@ -74,6 +83,7 @@ struct SynthesisReport {
   std::vector<StepReport> steps;
   std::vector<PlantedFoot> contacts;
   std::vector<Eigen::Vector2d> path_m;  // root on the floor (x, z), one a frame
+  std::vector<ControlOutcome> constraints;  // path, goal and speed first, then as they were asked for
   ClipQuality quality;
 };
 
