@@ -149,6 +149,16 @@ Eigen::VectorXd GaussianProcess::PredictMean(const Eigen::VectorXd& input) const
   return alpha_.transpose() * KernelVector(input);
 }
 
+Eigen::MatrixXd GaussianProcess::MeanJacobian(const Eigen::VectorXd& input) const {
+  const Eigen::VectorXd kernel = KernelVector(input);
+  Eigen::VectorXd rbf = kernel;
+  if (kernel_.linear_variance > 0) rbf -= kernel_.linear_variance * (inputs_.transpose() * input);
+  const double scale = 1 / (kernel_.length_scale * kernel_.length_scale);
+  Eigen::MatrixXd gradients = (inputs_.colwise() - input) * (scale * rbf).asDiagonal();  // of each kernel value, (D x N)
+  if (kernel_.linear_variance > 0) gradients += kernel_.linear_variance * inputs_;
+  return alpha_.transpose() * gradients.transpose();
+}
+
 GaussianPrediction GaussianProcess::Predict(const Eigen::VectorXd& input) const {
   Eigen::VectorXd k = KernelVector(input);
   std::call_once(factor_->once, [this] {

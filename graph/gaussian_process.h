@@ -77,6 +77,8 @@ class GaussianProcess {
   GaussianPrediction Predict(const Eigen::VectorXd& input) const;
   /// The mean alone (E), several times faster.
   Eigen::VectorXd PredictMean(const Eigen::VectorXd& input) const;
+  /// d mean / d input, (E x D), analytic.
+  Eigen::MatrixXd MeanJacobian(const Eigen::VectorXd& input) const;
 
  private:
   struct LazyFactor;

@@ -57,6 +57,8 @@ class PoseLayout {
 
   /// Heading (yaw, radians) of a world rotation of the moving root: across the hips, turned to forward.
   double HeadingOf(const Eigen::Quaterniond& world_from_root) const;
+  /// Right hip to left hip, in the root's frame: what headings are read from.
+  const Eigen::Vector3d& across_hips() const { return across_; }
 
  private:
   std::shared_ptr<const Skeleton> skeleton_;

@@ -50,6 +50,21 @@ Eigen::Quaterniond ExpMap(const Eigen::Vector3d& rotation_vector) {
                             half_sinc * rotation_vector.z());
 }
 
+Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& rotation_vector) {
+  const double angle2 = rotation_vector.squaredNorm();
+  Eigen::Matrix3d cross;
+  cross << 0, -rotation_vector.z(), rotation_vector.y(), rotation_vector.z(), 0, -rotation_vector.x(), -rotation_vector.y(),
+      rotation_vector.x(), 0;
+  // (1 - cos a) / a^2 and (a - sin a) / a^3, by their series where these would cancel.
+  double first = 0.5 - angle2 / 24, second = 1.0 / 6 - angle2 / 120;
+  if (angle2 > 1e-6) {
+    const double angle = std::sqrt(angle2);
+    first = (1 - std::cos(angle)) / angle2;
+    second = (angle - std::sin(angle)) / (angle2 * angle);
+  }
+  return Eigen::Matrix3d::Identity() - first * cross + second * cross * cross;
+}
+
 Eigen::Vector3d LogMap(const Eigen::Quaterniond& rotation) {
   // Of q and -q, the one with w >= 0 turns by at most pi.
   const double sign = rotation.w() < 0 ? -1.0 : 1.0;

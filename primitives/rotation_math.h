@@ -17,6 +17,10 @@ Eigen::Quaterniond ExpMap(const Eigen::Vector3d& rotation_vector);
 /// @param rotation  unit quaternion (its length cancels, so slight drift does no harm).
 Eigen::Vector3d LogMap(const Eigen::Quaterniond& rotation);
 
+/// Right Jacobian of the exponential map: ExpMap(v + d) = ExpMap(v) ExpMap(RightJacobian(v) d) for small d (Sola et al. 2018,
+/// A micro Lie theory, Eq. 143).
+Eigen::Matrix3d RightJacobian(const Eigen::Vector3d& rotation_vector);
+
 /// Log map of `rotation` about `mean`: LogMap(mean^-1 rotation), a vector in the mean's own frame.
 Eigen::Vector3d LogMapAbout(const Eigen::Quaterniond& mean, const Eigen::Quaterniond& rotation);
 /// Inverse of LogMapAbout.

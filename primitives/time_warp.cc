@@ -230,6 +230,28 @@ double TimeWarp::Inverse(double source_phase) const {
   return (interval + fraction) / (knots() - 1);
 }
 
+Eigen::VectorXd TimeWarp::Gradient(double canonical_phase) const {
+  const int last = knots() - 1;
+  const auto up_to = [&](const KnotPosition& at) {
+    Integral integral{0, Eigen::VectorXd::Zero(knots())};
+    for (int k = 0; k < at.interval; ++k) AddInterval(log_slopes_, {k, 1.0}, &integral);
+    AddInterval(log_slopes_, at, &integral);
+    return integral;
+  };
+  const Integral total = up_to({last - 1, 1.0});
+  if (canonical_phase > 0 && canonical_phase < 1) {
+    const Integral integral = up_to(Locate(canonical_phase, knots()));
+    return (integral.gradient - integral.value / total.value * total.gradient) / total.value;
+  }
+  // Beyond the key frames the border's slope, e^s / total, goes on.
+  const int border = canonical_phase <= 0 ? 0 : last;
+  const double beyond = canonical_phase <= 0 ? canonical_phase : canonical_phase - 1;
+  const double slope = std::exp(log_slopes_[border]) / total.value;
+  Eigen::VectorXd gradient = -slope * beyond / total.value * total.gradient;
+  gradient[border] += slope * beyond;
+  return gradient;
+}
+
 TimeWarp TimeWarp::Fit(const WarpPath& path, int reference_frames, int test_frames, int knots, double regularisation) {
   if (knots < 2) throw std::invalid_argument("TimeWarp::Fit: needs at least 2 knots, got " + std::to_string(knots));
   if (!(regularisation > 0)) throw std::invalid_argument("TimeWarp::Fit: regularisation must be > 0");

@@ -74,6 +74,8 @@ class TimeWarp {
   double Slope(double canonical_phase) const;
   /// Canonical phase at a source phase; exact inverse of operator().
   double Inverse(double source_phase) const;
+  /// d source phase / d log slopes at a canonical phase, (knots); for the slopes as they were given, normalised or not.
+  Eigen::VectorXd Gradient(double canonical_phase) const;
 
  private:
   explicit TimeWarp(const Eigen::VectorXd& log_slopes);

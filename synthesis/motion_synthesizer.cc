@@ -7,11 +7,7 @@
 
 #include "synthesis/draw_index.h"
 #include "synthesis/evaluation.h"
-#include "synthesis/foot_lock.h"
-#include "synthesis/graph_walk.h"
-#include "synthesis/step_joiner.h"
-#include "synthesis/step_track.h"
-#include "synthesis/toe_bend.h"
+#include "synthesis/walk_clip.h"
 #include "synthesis/walk_sampler.h"
 
 namespace morphograph {
@@ -77,26 +73,6 @@ int DrawStyle(const MotionGraph& graph, const SynthesisRequest& request, std::mt
   return std::max(0, drawn);
 }
 
-std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames, double rate_hz) {
-  std::vector<StepTrack> tracks;
-  for (size_t k = 0; k < walk.size(); ++k) {
-    if (walk[k].start > frames) break;
-    const auto fade = [&](size_t a, size_t b) {
-      return CrossFadeHalfWidth(walk[a].end - walk[a].start, walk[b].end - walk[b].start, rate_hz);
-    };
-    // One frame more than the cross-fade: increments look to the next frame.
-    const double before = k > 0 ? fade(k - 1, k) + 1 : 0;
-    const double after = k + 1 < walk.size() ? fade(k, k + 1) + 2 : 0;
-    const int first = k > 0 ? std::max(0, static_cast<int>(std::floor(walk[k].start - before))) : 0;
-    // The last step, where it ends the walk, is followed by its margin.
-    const int last = k + 1 < walk.size() ? std::min(frames, static_cast<int>(std::ceil(walk[k].end + after))) : frames;
-    const MotionPrimitive& primitive = graph.primitive(walk[k].step.primitive);
-    tracks.push_back(LayOutStep(primitive, walk[k].shape, walk[k].start, rate_hz, first, std::max(first, last)));
-    ToLogMaps(graph.layout(), graph.styles()[primitive.style_index].mean_rotations, &tracks.back());
-  }
-  return tracks;
-}
-
 std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames) {
   std::vector<StepReport> steps;
   for (const DrawnStep& drawn : walk) {
@@ -150,12 +126,7 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
                                         .frame_rate_hz = rate_hz},
                                        rng);
 
-  JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, rate_hz), frames, rate_hz, request.start, variant.cross_fade);
-  if (variant.foot_lock) LockFeet(graph.styles()[style].feet, graph.layout(), joined.contacts, {}, &joined.clip);
-  BendToes(&joined.clip);
-
-  SynthesisResult result{std::move(joined.clip), {}};
-  result.clip.style = graph.styles()[style].name;
+  SynthesisResult result{MakeWalkClip(graph, walk, frames, rate_hz, request.start, variant), {}};
   SynthesisReport& report = result.report;
   report.seed = request.seed;
   report.model_name = graph.name();

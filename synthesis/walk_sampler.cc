@@ -2,32 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <string>
 
-#include "synthesis/draw_index.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
+#include "synthesis/walk_rules.h"
 
 namespace morphograph {
 namespace {
-
-// Steps drawn and thrown away before a clip that begins inside the walk, so that its first step is as much a product of the
-// transitions as any other.
-constexpr int kBurnInSteps = 3;
-
-bool WalksOn(const MotionGraph& graph, int primitive) {
-  return IsSteady(graph.primitive(primitive)) && !graph.is_dead_end(primitive);
-}
-
-// An edge of those allowed, by probability; -1 where there is none.
-template <typename Allowed>
-int DrawEdge(const MotionGraph& graph, int primitive, Allowed allowed, std::mt19937_64& rng) {
-  const std::vector<int>& edges = graph.out_edges(primitive);
-  std::vector<double> weights;
-  for (const int edge : edges) weights.push_back(allowed(graph.edge_to(edge)) ? graph.transition(edge).probability : 0);
-  const int drawn = DrawIndex(weights, rng);
-  return drawn < 0 ? -1 : edges[drawn];
-}
 
 // For every number of steps still to come, which primitives such a walk can be at: `at(n)[p]`, n = 0 for a walk that is over. A walk
 // that need not stop is over at any step; all that it needs is to go on until then.
@@ -72,42 +55,8 @@ class WalkDraw {
   }
 
  private:
-  bool IsFirst(int p) const {
-    const MotionPrimitive& primitive = graph_.primitive(p);
-    if (primitive.style_index != extent_.style) return false;
-    return extent_.from == WalkBoundary::kWalking ? WalksOn(graph_, p) : BeginsIn(primitive) == extent_.from;
-  }
-
-  bool LeadsOn(int p) const {
-    const std::vector<int>& edges = graph_.out_edges(p);
-    return std::any_of(edges.begin(), edges.end(), [&](int edge) { return WalksOn(graph_, graph_.edge_to(edge)); });
-  }
-
   // The first step; `allowed` says where a walk may begin.
-  template <typename Allowed>
-  WalkStep FirstStep(Allowed allowed) {
-    const bool inside = extent_.from == WalkBoundary::kWalking;
-    std::vector<double> weights;
-    for (int p = 0; p < graph_.primitive_count(); ++p) {
-      const MotionPrimitive& primitive = graph_.primitive(p);
-      const bool fits = IsFirst(p) && (inside || allowed(p));
-      weights.push_back(!fits ? 0 : inside ? primitive.initial_weight : primitive.examples);
-    }
-    const int drawn = DrawIndex(weights, rng_);
-    if (drawn < 0) {
-      throw UnsatisfiableRequest("/style", "the model has no steady steps of style '" + graph_.styles()[extent_.style].name + "'");
-    }
-    WalkStep step = DrawFirstStep(graph_, drawn, rng_);
-    if (!inside) return step;
-    const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
-    // More of them where the walk could not be finished from here: the other foot's turn.
-    for (int i = 0; i < kBurnInSteps || (i < kBurnInSteps + graph_.primitive_count() && !allowed(step.primitive)); ++i) {
-      const int edge = DrawEdge(graph_, step.primitive, goes_on, rng_);
-      if (edge < 0) break;
-      step = DrawNextStep(graph_, step, edge, rng_);
-    }
-    return step;
-  }
+  WalkStep FirstStep(const std::function<bool(int)>& allowed) { return DrawStart(graph_, extent_.style, extent_.from, allowed, rng_); }
 
   void Append(const WalkStep& step, DrawnWalk* walk) {
     StepShape shape = graph_.primitive(step.primitive).Shape(step.latent);
@@ -136,7 +85,7 @@ class WalkDraw {
   DrawnWalk OfSteps(int count) {
     const auto can = [&](int steps) {
       for (int p = 0; p < graph_.primitive_count(); ++p) {
-        if (IsFirst(p) && reach_.at(steps - 1)[p]) return true;
+        if (IsFirst(graph_, extent_.style, extent_.from, p) && reach_.at(steps - 1)[p]) return true;
       }
       return false;
     };
@@ -171,7 +120,7 @@ class WalkDraw {
     DrawnWalk walk;
     walk.frames = WantedFrames();
     const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
-    WalkStep step = FirstStep([&](int p) { return LeadsOn(p); });
+    WalkStep step = FirstStep([&](int p) { return LeadsOn(graph_, p); });
     while (true) {
       Append(step, &walk);
       // With a cross-fade to spare: the step after it must not be missed.
@@ -190,7 +139,7 @@ class WalkDraw {
     DrawnStep best_end;
     size_t best_steps = 0;
     double best_miss = 0;
-    WalkStep step = FirstStep([&](int p) { return LeadsOn(p); });
+    WalkStep step = FirstStep([&](int p) { return LeadsOn(graph_, p); });
     // At least a few steps, so that there is one to stop after however short the time.
     for (int i = 0; i < graph_.primitive_count() || walk.steps.back().end <= wanted; ++i) {
       Append(step, &walk);

@@ -1,0 +1,61 @@
+#include "synthesis/control/walk_prior.h"
+
+#include <cmath>
+#include <numbers>
+
+#include "primitives/whitening.h"
+
+namespace morphograph {
+
+WithinWalk WithinWalkOf(const MotionGraph& graph, const WalkStep& step) {
+  const MotionPrimitive& primitive = graph.primitive(step.primitive);
+  const Eigen::Index size = primitive.reduction.components();
+  WithinWalk within{Eigen::VectorXd::Zero(size), Eigen::VectorXd::Ones(size)};
+  if (!primitive.manner.empty()) within = {step.manner.m[static_cast<size_t>(step.primitive)], primitive.manner.WithinScale(size)};
+  return within;
+}
+
+StepInnovation::StepInnovation(const MotionGraph& graph, const WalkStep& previous, const WalkStep& next)
+    : transition_(graph.transition(next.edge)) {
+  const WithinWalk from = WithinWalkOf(graph, previous), to = WithinWalkOf(graph, next);
+  previous_manner_ = from.manner;
+  previous_scale_ = from.scale;
+  next_manner_ = to.manner;
+  next_scale_ = to.scale;
+  const auto noise = transition_.noise_cholesky.triangularView<Eigen::Lower>();
+  by_next_ = next_scale_.cwiseInverse().asDiagonal();
+  noise.solveInPlace(by_next_);
+  linear_by_previous_ = -transition_.linear.cast<double>() * previous_scale_.cwiseInverse().asDiagonal();
+  noise.solveInPlace(linear_by_previous_);
+  const MixtureComponent& component = graph.primitive(next.primitive).mixture.Component(next.component);
+  log_constant_ = std::log(transition_.probability) + std::log(transition_.component_chances(previous.component, next.component)) -
+                  0.5 * dimension() * std::log(2 * std::numbers::pi) - transition_.noise_cholesky.diagonal().array().log().sum() -
+                  next_scale_.array().log().sum() - LogVolume(component);
+}
+
+Eigen::VectorXd StepInnovation::Value(const Eigen::VectorXd& previous, const Eigen::VectorXd& next) const {
+  const Eigen::VectorXd within = (next - next_manner_).cwiseQuotient(next_scale_);
+  return transition_.noise_cholesky.triangularView<Eigen::Lower>().solve(within - transition_.Mean(Within(previous)));
+}
+
+Eigen::MatrixXd StepInnovation::ByPrevious(const Eigen::VectorXd& previous) const {
+  if (!transition_.process) return linear_by_previous_;
+  Eigen::MatrixXd rest = transition_.process->MeanJacobian(Within(previous)) * previous_scale_.cwiseInverse().asDiagonal();
+  transition_.noise_cholesky.triangularView<Eigen::Lower>().solveInPlace(rest);
+  return linear_by_previous_ - rest;
+}
+
+double StepInnovation::LogLikelihood(const Eigen::VectorXd& previous, const Eigen::VectorXd& next) const {
+  return log_constant_ - 0.5 * Value(previous, next).squaredNorm();
+}
+
+WalkStep WithLatent(const MotionGraph& graph, const WalkStep* previous, WalkStep step, const Eigen::VectorXd& whitened) {
+  const MotionPrimitive& primitive = graph.primitive(step.primitive);
+  step.whitened = whitened;
+  step.latent = Colour(primitive.mixture.Component(step.component), whitened);
+  step.log_likelihood = previous ? StepInnovation(graph, *previous, step).LogLikelihood(previous->whitened, whitened)
+                                 : primitive.mixture.LogDensity(step.latent);
+  return step;
+}
+
+}  // namespace morphograph
