@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "synthesis/control/steered_synthesis.h"
 #include "synthesis/draw_index.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/walk_clip.h"
@@ -85,6 +86,32 @@ std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<
   return steps;
 }
 
+// @param evaluation  of the clip, where it is known already.
+SynthesisReport Report(const MotionGraph& graph, const SynthesisRequest& request, const DrawnWalk& walk, const MotionClip& clip,
+                       const ClipEvaluation* evaluation) {
+  SynthesisReport report;
+  report.seed = request.seed;
+  report.model_name = graph.name();
+  report.model_hash = graph.hash();
+  report.style = clip.style;
+  report.frames = walk.frames;
+  report.duration_s = clip.duration_s();
+  report.steps = ReportSteps(graph, walk.steps, walk.frames);
+  for (int f = 0; f < walk.frames; ++f) {
+    const Eigen::Vector3d root = clip.root_positions().col(f);
+    report.path_m.emplace_back(root.x(), root.z());
+  }
+  if (walk.frames >= 2) {
+    const ClipEvaluation evaluated = evaluation ? *evaluation : EvaluateClip(clip);
+    report.contacts = evaluated.contacts;
+    report.quality = evaluated.quality;
+  }
+  double log_likelihood = 0;
+  for (const StepReport& step : report.steps) log_likelihood += step.log_likelihood;
+  report.quality.log_likelihood = log_likelihood;
+  return report;
+}
+
 std::string Rounded(double value) { return std::to_string(std::lround(value)); }
 
 }  // namespace
@@ -113,40 +140,26 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
   if (const auto problem = request.FirstProblem()) {
     throw std::invalid_argument("SynthesisRequest: " + problem->first + " " + problem->second);
   }
-  if (!request.control.empty()) throw UnsatisfiableRequest("", "this version of the library cannot steer a clip yet");
   std::mt19937_64 rng(request.seed);
   const double rate_hz = request.frame_rate_hz.value_or(graph.frame_rate_hz());
   const int style = DrawStyle(graph, request, rng);
-  const auto [walk, frames] = DrawWalk(graph,
-                                       {.style = style,
-                                        .from = request.start_from,
-                                        .to = request.end,
-                                        .steps = request.steps,
-                                        .duration_s = request.duration_s.value_or(kDefaultDuration_s),
-                                        .frame_rate_hz = rate_hz},
-                                       rng);
-
-  SynthesisResult result{MakeWalkClip(graph, walk, frames, rate_hz, request.start, variant), {}};
-  SynthesisReport& report = result.report;
-  report.seed = request.seed;
-  report.model_name = graph.name();
-  report.model_hash = graph.hash();
-  report.style = result.clip.style;
-  report.frames = frames;
-  report.duration_s = result.clip.duration_s();
-  report.steps = ReportSteps(graph, walk, frames);
-  for (int f = 0; f < frames; ++f) {
-    const Eigen::Vector3d root = result.clip.root_positions().col(f);
-    report.path_m.emplace_back(root.x(), root.z());
+  if (!request.control.empty()) {
+    SteeredWalk steered = SteerWalk(graph, request, style, rate_hz, rng);
+    SynthesisResult result{std::move(steered.clip), {}};
+    result.report = Report(graph, request, steered.walk, result.clip, &steered.evaluation);
+    result.report.constraints = std::move(steered.outcomes);
+    return result;
   }
-  if (frames >= 2) {
-    ClipEvaluation evaluation = EvaluateClip(result.clip);
-    report.contacts = std::move(evaluation.contacts);
-    report.quality = evaluation.quality;
-  }
-  double log_likelihood = 0;
-  for (const StepReport& step : report.steps) log_likelihood += step.log_likelihood;
-  report.quality.log_likelihood = log_likelihood;
+  const DrawnWalk walk = DrawWalk(graph,
+                                  {.style = style,
+                                   .from = request.start_from,
+                                   .to = request.end,
+                                   .steps = request.steps,
+                                   .duration_s = request.duration_s.value_or(kDefaultDuration_s),
+                                   .frame_rate_hz = rate_hz},
+                                  rng);
+  SynthesisResult result{MakeWalkClip(graph, walk.steps, walk.frames, rate_hz, request.start, variant), {}};
+  result.report = Report(graph, request, walk, result.clip, nullptr);
   return result;
 }
 

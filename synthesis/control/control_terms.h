@@ -15,8 +15,8 @@ namespace morphograph {
 /// The moment that a term is about: a time from the clip's start, or a key frame; key frame 0 begins the first step, and key frame n ends
 /// the n-th. Exactly one of them.
 struct ControlMoment {
-  std::optional<double> time_s;
-  std::optional<int> keyframe;
+  std::optional<double> time_s = {};
+  std::optional<int> keyframe = {};
 };
 
 /// The root follows a line on the floor from its beginning to its end.
@@ -30,10 +30,10 @@ struct PathTerm {
 /// Where the clip ends. Residuals: distance (m), and angle where a heading is asked for.
 struct GoalTerm {
   Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
-  std::optional<double> heading_rad;
+  std::optional<double> heading_rad = {};
   double tolerance_m = 0.05;
   double heading_tolerance_rad = 5 * 0.017453292519943295;
-  std::optional<double> time_s;  // of arrival; the clip's duration, where that is given, says the same
+  std::optional<double> time_s = {};  // of arrival; the clip's duration, where that is given, says the same
 };
 
 /// Speed of the root over the floor, step by step. Residual: mean over the steps of |speed of a step - wanted| (m/s).
@@ -91,7 +91,7 @@ struct FootstepTerm {
 struct KeepOutTerm {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  // circle, where there is no polygon
   double radius_m = 0;
-  std::vector<Eigen::Vector2d> polygon_m;  // three or more corners, simple; either sense of turn
+  std::vector<Eigen::Vector2d> polygon_m = {};  // three or more corners, simple; either sense of turn
 };
 
 /// The head is turned towards a point for a time. Residual: mean angle between where it faces and the point.
@@ -115,9 +115,9 @@ using Constraint = std::variant<PositionTerm, OrientationTerm, TrajectoryTerm, H
 
 /// All that one clip is asked to do.
 struct ControlTerms {
-  std::optional<PathTerm> path;
-  std::optional<GoalTerm> goal;
-  std::optional<SpeedTerm> speed;
+  std::optional<PathTerm> path = {};
+  std::optional<GoalTerm> goal = {};
+  std::optional<SpeedTerm> speed = {};
   std::vector<Constraint> constraints;
 
   bool empty() const { return !path && !goal && !speed && constraints.empty(); }
@@ -126,10 +126,11 @@ struct ControlTerms {
 /// What became of a term on the finished clip.
 struct ControlOutcome {
   std::string pointer;         // into the request: "/path", "/constraints/2"
-  std::optional<int> index;    // of `constraints`, where it is one of them
+  std::optional<int> index = {};    // of `constraints`, where it is one of them
   bool met = false;
   double residual = 0;
-  std::string unit;            // "m", "rad" or "m/s"
+  double tolerance = 0;
+  std::string unit;            // "m", "rad", "m/s" or "s", of both
 };
 
 }  // namespace morphograph

@@ -1,0 +1,178 @@
+#include "synthesis/control/control_measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "synthesis/control/floor_area.h"
+
+namespace morphograph {
+namespace {
+
+double AngleBetween(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
+
+class Measurer {
+ public:
+  Measurer(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, const MeasuredClip& clip)
+      : problem_(problem), times_(keyframe_times_s), measured_(clip) {}
+
+  std::vector<ControlOutcome> All() {
+    const ControlTerms& control = problem_.request.control;
+    const int last = measured_.clip.frame_count() - 1;
+    if (control.path) Add("/path", PathMiss(), control.path->tolerance_m, "m");
+    if (control.goal) {
+      Add("/goal", (measured_.RootAt(last) - control.goal->position_m).norm(), control.goal->tolerance_m, "m");
+      if (control.goal->heading_rad)
+        Add("/goal/heading", AngleBetween(measured_.HeadingAt(last), *control.goal->heading_rad), control.goal->heading_tolerance_rad, "rad");
+      if (control.goal->time_s) Add("/goal/time", std::abs(last / measured_.clip.frame_rate_hz() - *control.goal->time_s), kTimeTolerance_s, "s");
+    } else if (control.path) {
+      Add("/path/end", (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m");
+    }
+    if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s");
+    for (size_t i = 0; i < control.constraints.size(); ++i) {
+      index_ = static_cast<int>(i);
+      std::visit([&](const auto& term) { Of(term); }, control.constraints[i]);
+    }
+    return std::move(outcomes_);
+  }
+
+ private:
+  static constexpr double kTimeTolerance_s = 0.1;
+
+  void Add(std::string pointer, double residual, double tolerance, const char* unit) {
+    outcomes_.push_back({std::move(pointer), index_, residual <= tolerance, residual, tolerance, unit});
+  }
+  void AddConstraint(double residual, double tolerance, const char* unit) { Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit); }
+
+  double PathMiss() const {
+    std::vector<double> distances;
+    for (int f = 0; f < measured_.clip.frame_count(); ++f) distances.push_back(problem_.guide.path->NearestTo(measured_.RootAt(f)).distance_m);
+    const auto at = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(distances.size() - 1));
+    std::nth_element(distances.begin(), at, distances.end());
+    return *at;
+  }
+
+  double SpeedMiss(const SpeedTerm& term) const {
+    double sum = 0;
+    int steps = 0;
+    for (size_t k = 0; k + 1 < times_.size(); ++k) {
+      const int from = measured_.FrameAt(times_[k]), to = measured_.FrameAt(times_[k + 1]);
+      if (times_[k + 1] > measured_.clip.duration_s() + 1e-9 || from >= to) break;
+      const double speed = (measured_.RootAt(to) - measured_.RootAt(from)).norm() * measured_.clip.frame_rate_hz() / (to - from);
+      sum += std::abs(speed - SpeedAt(term.profile, (times_[k] + times_[k + 1]) / 2));
+      ++steps;
+    }
+    return steps > 0 ? sum / steps : 0;
+  }
+
+  WorldPose PoseAt(int frame) const { return ForwardKinematics(measured_.clip, frame); }
+
+  void Of(const PositionTerm& term) {
+    const Eigen::Vector3d there = PoseAt(FrameOf(term.at, times_, measured_)).positions.col(problem_.joints[static_cast<size_t>(*index_)][0].joint);
+    Eigen::Vector3d miss = there - term.value_m;
+    for (int axis = 0; axis < 3; ++axis) miss[axis] *= term.use[axis];
+    AddConstraint(miss.norm(), term.tolerance_m, "m");
+  }
+
+  void Of(const OrientationTerm& term) {
+    const Eigen::Quaterniond there = PoseAt(FrameOf(term.at, times_, measured_)).rotations[static_cast<size_t>(problem_.joints[static_cast<size_t>(*index_)][0].joint)];
+    AddConstraint(there.angularDistance(term.value), term.tolerance_rad, "rad");
+  }
+
+  void Of(const TrajectoryTerm& term) {
+    double worst = 0;
+    for (size_t k = 0; k < term.times_s.size(); ++k) {
+      const Eigen::Vector3d there = PoseAt(measured_.FrameAt(term.times_s[k])).positions.col(problem_.joints[static_cast<size_t>(*index_)][0].joint);
+      worst = std::max(worst, (there - term.points_m[k]).norm());
+    }
+    AddConstraint(worst, term.tolerance_m, "m");
+  }
+
+  void Of(const HeadingTerm& term) {
+    AddConstraint(AngleBetween(measured_.HeadingAt(FrameOf(term.at, times_, measured_)), term.value_rad), term.tolerance_rad, "rad");
+  }
+
+  void Of(const FootstepTerm& term) {
+    const PlantedFoot* foot = FootstepOf(term, measured_.contacts);
+    AddConstraint(foot ? (foot->position_m - term.value_m).norm() : std::numeric_limits<double>::infinity(), term.tolerance_m, "m");
+  }
+
+  void Of(const KeepOutTerm& term) {
+    double deepest = 0;
+    for (int f = 0; f < measured_.clip.frame_count(); ++f) {
+      const WorldPose pose = PoseAt(f);
+      const auto look = [&](int joint) {
+        const Eigen::Vector3d point = pose.positions.col(joint);
+        deepest = std::max(deepest, DepthInside(term, {point.x(), point.z()}));
+      };
+      look(measured_.clip.skeleton().moving_root());
+      for (int side = 0; side < 2; ++side) {
+        look(problem_.ball[side].joint);
+        look(problem_.heel[side].joint);
+      }
+    }
+    AddConstraint(deepest, 0, "m");
+  }
+
+  void Of(const LookAtTerm& term) {
+    double sum = 0;
+    const int from = measured_.FrameAt(term.from_s), to = std::max(from, measured_.FrameAt(term.to_s));
+    for (int f = from; f <= to; ++f) {
+      const WorldPose pose = PoseAt(f);
+      const Eigen::Vector3d facing = pose.rotations[static_cast<size_t>(problem_.head.joint)] * problem_.head_forward;
+      const Eigen::Vector3d wanted = (term.value_m - pose.positions.col(problem_.head.joint)).normalized();
+      sum += std::acos(std::clamp(facing.dot(wanted), -1.0, 1.0));
+    }
+    AddConstraint(sum / (to - from + 1), term.tolerance_rad, "rad");
+  }
+
+  void Of(const PoseTerm& term) {
+    const int frame = FrameOf(term.at, times_, measured_);
+    const WorldPose pose = PoseAt(frame);
+    const Eigen::Vector2d root = measured_.RootAt(frame);
+    const Eigen::AngleAxisd turn(measured_.HeadingAt(frame), Eigen::Vector3d::UnitY());
+    double sum = 0;
+    for (size_t k = 0; k < term.joints.size(); ++k) {
+      const Eigen::Vector3d wanted = turn * term.values_m[k] + Eigen::Vector3d(root.x(), 0, root.y());
+      sum += (pose.positions.col(problem_.joints[static_cast<size_t>(*index_)][k].joint) - wanted).squaredNorm();
+    }
+    AddConstraint(std::sqrt(sum / static_cast<double>(std::max<size_t>(1, term.joints.size()))), term.tolerance_m, "m");
+  }
+
+  const ControlProblem& problem_;
+  const std::vector<double>& times_;
+  const MeasuredClip& measured_;
+  std::optional<int> index_;
+  std::vector<ControlOutcome> outcomes_;
+};
+
+}  // namespace
+
+int MeasuredClip::FrameAt(double time_s) const {
+  return std::clamp(static_cast<int>(std::lround(time_s * clip.frame_rate_hz())), 0, clip.frame_count() - 1);
+}
+
+Eigen::Vector2d MeasuredClip::RootAt(int frame) const { return {clip.root_positions()(0, frame), clip.root_positions()(2, frame)}; }
+
+double MeasuredClip::HeadingAt(int frame) const { return HeadingRad(clip, frame); }
+
+int FrameOf(const ControlMoment& moment, const std::vector<double>& keyframe_times_s, const MeasuredClip& clip) {
+  if (moment.time_s) return clip.FrameAt(*moment.time_s);
+  const auto keyframe = static_cast<size_t>(std::clamp(*moment.keyframe, 0, static_cast<int>(keyframe_times_s.size()) - 1));
+  return clip.FrameAt(keyframe_times_s[keyframe]);
+}
+
+const PlantedFoot* FootstepOf(const FootstepTerm& term, const std::vector<PlantedFoot>& contacts) {
+  int left = term.index;
+  for (const PlantedFoot& foot : contacts) {
+    if ((foot.interval.foot == Foot::kLeft) != term.left) continue;
+    if (left-- == 0) return &foot;
+  }
+  return nullptr;
+}
+
+std::vector<ControlOutcome> MeasureControls(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, const MeasuredClip& clip) {
+  return Measurer(problem, keyframe_times_s, clip).All();
+}
+
+}  // namespace morphograph

@@ -1,0 +1,177 @@
+#include "synthesis/control/control_problem.h"
+
+#include <algorithm>
+#include <cmath>
+#include <type_traits>
+
+#include "synthesis/control/floor_area.h"
+#include "synthesis/unsatisfiable_request.h"
+
+namespace morphograph {
+namespace {
+
+constexpr double kGuideDeviation_m = 0.3;   // of a walk that only has to come to a goal
+constexpr double kShortestGuide_m = 0.3;
+constexpr double kDetour_m = 0.5;           // of a guide's line around areas kept out of
+
+std::string JointNames(const Skeleton& skeleton) {
+  std::string names;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (skeleton.IsBody(j)) names += (names.empty() ? "" : ", ") + skeleton.joint(j).name;
+  }
+  return names;
+}
+
+class Maker {
+ public:
+  explicit Maker(ControlProblem* problem) : problem_(*problem), skeleton_(problem->graph.skeleton()) {}
+
+  void Make() {
+    ResolveJoints();
+    MakeGuide();
+  }
+
+ private:
+  ResolvedJoint Resolve(int joint) {
+    const auto& means = problem_.graph.styles()[static_cast<size_t>(problem_.style)].mean_rotations;
+    return {joint, std::make_shared<JointChain>(problem_.graph.layout(), means, joint)};
+  }
+
+  ResolvedJoint Named(const std::string& name, const std::string& pointer) {
+    const int joint = skeleton_.FindRoleOrName(name);
+    if (joint < 0 || !skeleton_.IsBody(joint))
+      throw UnsatisfiableRequest(pointer, "the model's skeleton has no joint '" + name + "'; it has the roles that CONTRACT names and the joints " + JointNames(skeleton_));
+    return Resolve(joint);
+  }
+
+  void ResolveJoints() {
+    const RoleMap& roles = skeleton_.roles();
+    problem_.ball[0] = Resolve(roles[JointRole::kLeftToe]);
+    problem_.ball[1] = Resolve(roles[JointRole::kRightToe]);
+    problem_.heel[0] = Resolve(roles[JointRole::kLeftAnkle]);
+    problem_.heel[1] = Resolve(roles[JointRole::kRightAnkle]);
+    if (roles.Has(JointRole::kHead)) {
+      problem_.head = Resolve(roles[JointRole::kHead]);
+      // On the whole a walker looks ahead: that direction, in the head of the style's mean pose.
+      const Eigen::VectorXd mean = Eigen::VectorXd::Zero(problem_.graph.layout().channels());
+      const double heading = problem_.graph.layout().HeadingOf(problem_.mean_root());
+      problem_.head_forward = problem_.head.chain->At(mean).rotation.transpose() * Eigen::Vector3d(std::sin(heading), 0, std::cos(heading));
+    }
+    const auto& constraints = problem_.request.control.constraints;
+    problem_.joints.resize(constraints.size());
+    for (size_t i = 0; i < constraints.size(); ++i) {
+      const std::string pointer = "/constraints/" + std::to_string(i);
+      std::visit(
+          [&](const auto& term) {
+            using Term = std::decay_t<decltype(term)>;
+            if constexpr (std::is_same_v<Term, PositionTerm> || std::is_same_v<Term, OrientationTerm> || std::is_same_v<Term, TrajectoryTerm>) {
+              problem_.joints[i].push_back(Named(term.joint, pointer + "/joint"));
+            } else if constexpr (std::is_same_v<Term, PoseTerm>) {
+              for (const std::string& name : term.joints) problem_.joints[i].push_back(Named(name, pointer + "/joints"));
+            } else if constexpr (std::is_same_v<Term, LookAtTerm>) {
+              if (problem_.head.joint < 0) throw UnsatisfiableRequest(pointer, "the model's skeleton has no head");
+            }
+          },
+          constraints[i]);
+    }
+  }
+
+  // A line from start to goal: straight where their headings are free, else bent to them.
+  std::vector<Eigen::Vector2d> GuideLine(const Eigen::Vector2d& goal, const std::optional<double>& goal_heading) const {
+    const Eigen::Vector2d start = problem_.request.start.position_m;
+    const double distance = (goal - start).norm();
+    const Eigen::Vector2d straight = (goal - start) / distance;
+    const Eigen::Vector2d leave = problem_.guide.free_heading ? straight : DirectionOfHeading(problem_.request.start.heading_rad);
+    const Eigen::Vector2d arrive = goal_heading ? DirectionOfHeading(*goal_heading) : straight;
+    const double pull = std::max(distance, 1.5);  // a turn takes room, however near the goal is
+    std::vector<Eigen::Vector2d> line;
+    constexpr int kPieces = 60;
+    for (int i = 0; i <= kPieces; ++i) {
+      const double t = i / double{kPieces}, t2 = t * t, t3 = t2 * t;
+      line.push_back((2 * t3 - 3 * t2 + 1) * start + (t3 - 2 * t2 + t) * pull * leave + (3 * t2 - 2 * t3) * goal + (t3 - t2) * pull * arrive);
+    }
+    AvoidAreas(&line);
+    return line;
+  }
+
+  // Pushes a line out of areas, and smooths what that bends, back and forth.
+  void AvoidAreas(std::vector<Eigen::Vector2d>* line) const {
+    if (problem_.guide.keep_out.empty()) return;
+    for (int round = 0; round < 200; ++round) {
+      double worst = 0;
+      for (size_t i = 1; i + 1 < line->size(); ++i) {
+        Eigen::Vector2d& point = (*line)[i];
+        point = 0.5 * point + 0.25 * ((*line)[i - 1] + (*line)[i + 1]);
+        for (const KeepOutTerm& area : problem_.guide.keep_out) {
+          Eigen::RowVector2d gradient;
+          const double depth = DepthInside(area, point, &gradient) + kDetour_m;
+          if (depth > 0) point -= depth * gradient.transpose();
+          worst = std::max(worst, depth);
+        }
+      }
+      if (worst < 1e-3) return;
+    }
+  }
+
+  void MakeGuide() {
+    const SynthesisRequest& request = problem_.request;
+    const ControlTerms& control = request.control;
+    WalkGuide& guide = problem_.guide;
+    guide.style = problem_.style;
+    guide.from = request.start_from;
+    guide.to = request.end;
+    guide.frame_rate_hz = problem_.frame_rate_hz;
+    guide.start = request.start;
+    guide.duration_s = request.duration_s;
+    guide.steps = request.steps;
+    if (control.speed) guide.speeds = control.speed->profile;
+    for (const Constraint& constraint : control.constraints) {
+      if (const auto* area = std::get_if<KeepOutTerm>(&constraint)) guide.keep_out.push_back(*area);
+      if (const auto* heading = std::get_if<HeadingTerm>(&constraint); heading && heading->at.time_s) guide.headings.push_back({*heading->at.time_s, heading->value_rad});
+      if (const auto* position = std::get_if<PositionTerm>(&constraint); position && position->at.time_s && position->use[0] && position->use[2])
+        guide.places.push_back({*position->at.time_s, {position->value_m.x(), position->value_m.z()}, 0.45});
+      if (const auto* trajectory = std::get_if<TrajectoryTerm>(&constraint)) {
+        for (size_t k = 0; k < trajectory->times_s.size(); ++k)
+          guide.places.push_back({trajectory->times_s[k], {trajectory->points_m[k].x(), trajectory->points_m[k].z()}, 0.45});
+      }
+    }
+    if (control.path) {
+      guide.path.emplace(control.path->points_m, control.path->smooth);
+      if (!request.start_given.position) guide.start.position_m = guide.path->At(0);
+      problem_.goal_m = guide.path->At(guide.path->length_m());
+    }
+    if (control.goal) {
+      problem_.goal_m = control.goal->position_m;
+      guide.goal_heading_rad = control.goal->heading_rad;
+      if (control.goal->time_s) guide.duration_s = control.goal->time_s;
+    }
+    guide.goal_m = problem_.goal_m;
+    if (problem_.goal_m) guide.free_heading = !request.start_given.heading && guide.from == WalkBoundary::kWalking;
+    if (control.goal && !control.path) {
+      if ((control.goal->position_m - guide.start.position_m).norm() < kShortestGuide_m)
+        throw UnsatisfiableRequest("/goal/position", "must be at least 0.3 m from the start");
+      if (guide.free_heading) {
+        const Eigen::Vector2d ahead = control.goal->position_m - guide.start.position_m;
+        guide.start.heading_rad = HeadingOfDirection(ahead);
+      }
+      guide.path.emplace(GuideLine(control.goal->position_m, control.goal->heading_rad));
+      guide.path_deviation_m = kGuideDeviation_m;
+    } else if (guide.free_heading) {
+      guide.start.heading_rad = guide.path->Heading(0);
+    }
+    if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = 5;
+  }
+
+  ControlProblem& problem_;
+  const Skeleton& skeleton_;
+};
+
+}  // namespace
+
+ControlProblem MakeControlProblem(const MotionGraph& graph, const SynthesisRequest& request, int style, double frame_rate_hz) {
+  ControlProblem problem{.graph = graph, .request = request, .style = style, .frame_rate_hz = frame_rate_hz};
+  Maker(&problem).Make();
+  return problem;
+}
+
+}  // namespace morphograph

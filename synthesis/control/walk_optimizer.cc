@@ -1,0 +1,361 @@
+#include "synthesis/control/walk_optimizer.h"
+
+#include <ceres/problem.h>
+#include <ceres/solver.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <list>
+
+#include "synthesis/control/control_residuals.h"
+#include "synthesis/control/floor_area.h"
+#include "synthesis/step_track.h"
+#include "synthesis/walk_clip.h"
+
+namespace morphograph {
+namespace {
+
+constexpr int kRounds = 4;
+constexpr int kFirstIterations = 8, kLaterIterations = 4;
+constexpr double kFree = std::numeric_limits<double>::infinity();
+// Part of its tolerance that a term may deviate by. Paths are followed by a body that sways: less tightly.
+constexpr double kTight = 0.1, kPath = 0.4;
+constexpr double kEnough = 0.5;          // part of the tolerances within which nothing more is done
+constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
+constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
+constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
+
+Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
+  const double c = std::cos(heading), s = std::sin(heading);
+  return {c * local[0] + s * local[1], -s * local[0] + c * local[1], local[2]};
+}
+
+class Optimizer {
+ public:
+  Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics)
+      : problem_(problem), graph_(problem.graph), steps_(plan.steps), along_m_(plan.along_m), frames_(plan.frames), places_(plan.places) {
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      kinematics_.push_back(kinematics->Of(steps_[k]));
+      latents_.push_back(steps_[k].whitened);
+      if (k == 0) continue;
+      innovations_.emplace_back(graph_, steps_[k - 1], steps_[k]);
+      drawn_.push_back(innovations_.back().Value(latents_[k - 1], latents_[k]));
+    }
+    first_ = latents_[0];
+    joins_.assign(steps_.size(), Eigen::Vector3d::Zero());
+    result_.start = problem_.guide.start;
+    result_.start.heading_rad = places_[0][kPlaceHeading];
+  }
+
+  SteeredWalk Run() {
+    SteeredWalk best;
+    double least = kFree;
+    for (int round = 0; round < kRounds; ++round) {
+      Solve(round == 0 ? kFirstIterations : kLaterIterations);
+      MakeClip();
+      const double worst = WorstMiss();
+      if (worst < least) {
+        least = worst;
+        best = result_;
+      }
+      if (least <= kEnough || worst > 4 * least) break;
+      TakeOverPlaces();
+    }
+    return best;
+  }
+
+ private:
+  double rate() const { return problem_.frame_rate_hz; }
+  bool stops() const { return problem_.guide.to != WalkBoundary::kWalking; }
+  // When the clip is over: of walks that stop, at the end of their last step.
+  double EndTime() const { return stops() ? places_.back()[kPlaceTime] : (frames_ - 1) / rate(); }
+
+  size_t StepAt(double time_s) const {
+    size_t k = 0;
+    while (k + 1 < steps_.size() && places_[k + 1][kPlaceTime] <= time_s) ++k;
+    return k;
+  }
+
+  struct Place {
+    size_t step;
+    StepMoment moment;
+    int frame;
+  };
+  Place PlaceOfTime(double time_s) const {
+    const int frame = std::clamp(static_cast<int>(std::lround(time_s * rate())), 0, frames_ - 1);
+    return {StepAt(frame / rate()), {true, frame / rate()}, frame};
+  }
+  Place PlaceOf(const ControlMoment& moment) const {
+    if (moment.time_s) return PlaceOfTime(*moment.time_s);
+    const auto keyframe = static_cast<size_t>(std::max(0, *moment.keyframe));
+    const size_t step = std::min(keyframe, steps_.size() - 1);
+    const double phase = keyframe > step ? 1 : 0;
+    const double time = places_[std::min(keyframe, steps_.size())][kPlaceTime];
+    return {step, {false, phase}, std::clamp(static_cast<int>(std::lround(time * rate())), 0, frames_ - 1)};
+  }
+
+  // Where a step's values are unknowns of the problem.
+  template <typename Residual>
+  void Add(ceres::Problem* problem, Residual* residual, size_t step) {
+    problem->AddResidualBlock(residual, nullptr, latents_[step].data(), places_[step].data());
+  }
+
+  bool has_clip() const { return result_.clip.frame_count() > 0; }
+  Eigen::Vector3d* NewOffset() { return &offsets_.emplace_back(Eigen::Vector3d::Zero()); }
+
+  void AddRoot(ceres::Problem* problem, const Place& at, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation) {
+    Eigen::Vector3d* offset = NewOffset();
+    if (has_clip()) {
+      const Eigen::Vector3d model = kinematics_[at.step]->Root(at.moment, latents_[at.step], places_[at.step]).value;
+      *offset = MeasuredRoot(at.frame) - model;
+      (*offset)[2] = std::remainder((*offset)[2], 2 * M_PI);
+    }
+    Add(problem, new RootResidual(kinematics_[at.step], at.moment, target, deviation, offset), at.step);
+  }
+
+  void AddJoint(ceres::Problem* problem, const Place& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation,
+                const std::optional<Eigen::Vector3d>& measured) {
+    Eigen::Vector3d* offset = NewOffset();
+    if (measured) *offset = *measured - kinematics_[at.step]->Joint(*joint.chain, at.moment, latents_[at.step], places_[at.step]).position_m;
+    Add(problem, new JointPositionResidual(kinematics_[at.step], joint.chain, at.moment, target, deviation, offset), at.step);
+  }
+
+  std::optional<Eigen::Vector3d> MeasuredJoint(int frame, int joint) const {
+    if (!has_clip()) return std::nullopt;
+    return ForwardKinematics(result_.clip, frame).positions.col(joint);
+  }
+
+  Eigen::Vector3d MeasuredRoot(int frame) const {
+    return {result_.clip.root_positions()(0, frame), result_.clip.root_positions()(2, frame), HeadingRad(result_.clip, frame)};
+  }
+
+  void AddPrior(ceres::Problem* problem) {
+    problem->AddResidualBlock(new FirstStepResidual(first_, WithinWalkOf(graph_, steps_[0]).scale), nullptr, latents_[0].data());
+    const double heading = problem_.guide.free_heading ? kFreeHeading_rad : 1e-4;
+    problem->AddResidualBlock(new StartResidual(places_[0], {1e-4, 1e-4, heading, 1e-4}), nullptr, places_[0].data());
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      if (k > 0) problem->AddResidualBlock(new InnovationResidual(innovations_[k - 1], drawn_[k - 1]), nullptr, latents_[k - 1].data(), latents_[k].data());
+      problem->AddResidualBlock(new NextPlaceResidual(kinematics_[k], &joins_[k]), nullptr, latents_[k].data(), places_[k].data(), places_[k + 1].data());
+    }
+  }
+
+  void AddPathAndGoal(ceres::Problem* problem) {
+    const ControlTerms& control = problem_.request.control;
+    const double end = EndTime();
+    if (control.path) {
+      for (size_t k = 0; k < steps_.size(); ++k) {
+        for (const double phase : {0.0, 0.5}) {
+          if (places_[k][kPlaceTime] + phase * (places_[k + 1][kPlaceTime] - places_[k][kPlaceTime]) > end) continue;
+          Add(problem, new PathResidual(kinematics_[k], {false, phase}, *problem_.guide.path, along_m_[k] - 0.5, along_m_[k + 1] + 0.5, kPath * control.path->tolerance_m), k);
+        }
+      }
+    }
+    if (problem_.goal_m) {
+      Place at = PlaceOfTime(end);
+      if (stops()) at = {steps_.size() - 1, {false, 1}, frames_ - 1};
+      const double tolerance = control.goal ? control.goal->tolerance_m : control.path->tolerance_m;
+      Eigen::Vector3d deviation(kTight * tolerance, kTight * tolerance, kFree);
+      double heading = 0;
+      if (control.goal && control.goal->heading_rad) {
+        heading = *control.goal->heading_rad;
+        deviation[2] = kTight * control.goal->heading_tolerance_rad;
+      }
+      AddRoot(problem, at, {problem_.goal_m->x(), problem_.goal_m->y(), heading}, deviation);
+    }
+    if (control.speed) {
+      for (size_t k = 0; k < steps_.size() && places_[k + 1][kPlaceTime] <= end + 1e-9; ++k) {
+        const double middle = (places_[k][kPlaceTime] + places_[k + 1][kPlaceTime]) / 2;
+        Add(problem, new SpeedResidual(kinematics_[k], SpeedAt(control.speed->profile, middle), 0.5 * control.speed->tolerance_m_s), k);
+      }
+    }
+  }
+
+  void AddConstraints(ceres::Problem* problem) {
+    const auto& constraints = problem_.request.control.constraints;
+    for (size_t i = 0; i < constraints.size(); ++i) {
+      std::visit([&](const auto& term) { AddTerm(problem, term, problem_.joints[i]); }, constraints[i]);
+    }
+  }
+
+  void AddTerm(ceres::Problem* problem, const PositionTerm& term, const std::vector<ResolvedJoint>& joints) {
+    const Place at = PlaceOf(term.at);
+    Eigen::Vector3d deviation;
+    for (int axis = 0; axis < 3; ++axis) deviation[axis] = term.use[axis] ? kTight * term.tolerance_m : kFree;
+    AddJoint(problem, at, joints[0], term.value_m, deviation, MeasuredJoint(at.frame, joints[0].joint));
+  }
+
+  void AddTerm(ceres::Problem* problem, const OrientationTerm& term, const std::vector<ResolvedJoint>& joints) {
+    const Place at = PlaceOf(term.at);
+    Add(problem, new JointOrientationResidual(kinematics_[at.step], joints[0].chain, at.moment, term.value, kTight * term.tolerance_rad), at.step);
+  }
+
+  void AddTerm(ceres::Problem* problem, const TrajectoryTerm& term, const std::vector<ResolvedJoint>& joints) {
+    for (size_t k = 0; k < term.times_s.size(); ++k) {
+      const Place at = PlaceOfTime(term.times_s[k]);
+      AddJoint(problem, at, joints[0], term.points_m[k], Eigen::Vector3d::Constant(kTight * term.tolerance_m), MeasuredJoint(at.frame, joints[0].joint));
+    }
+  }
+
+  void AddTerm(ceres::Problem* problem, const HeadingTerm& term, const std::vector<ResolvedJoint>&) {
+    AddRoot(problem, PlaceOf(term.at), {0, 0, term.value_rad}, {kFree, kFree, kTight * term.tolerance_rad});
+  }
+
+  void AddTerm(ceres::Problem* problem, const FootstepTerm& term, const std::vector<ResolvedJoint>&) {
+    if (!has_clip()) return;  // which step it is, only a clip can say
+    const PlantedFoot* foot = FootstepOf(term, result_.evaluation.contacts);
+    if (!foot) return;
+    const int side = term.left ? 0 : 1;
+    const double time = (foot->interval.first + foot->interval.last) / 2.0 / rate();
+    const size_t step = StepAt(time);
+    const double length = places_[step + 1][kPlaceTime] - places_[step][kPlaceTime];
+    const double phase = std::clamp((time - places_[step][kPlaceTime]) / length, 0.0, 1.0);
+    const Place at{step, {false, phase}, static_cast<int>(std::lround(time * rate()))};
+    const double deviation = kTight * term.tolerance_m;
+    AddJoint(problem, at, problem_.ball[side], {term.value_m.x(), 0, term.value_m.y()}, {deviation, kFree, deviation},
+             Eigen::Vector3d(foot->position_m.x(), 0, foot->position_m.y()));
+  }
+
+  void AddTerm(ceres::Problem* problem, const KeepOutTerm& term, const std::vector<ResolvedJoint>&) {
+    for (size_t k = 0; k < steps_.size() && places_[k][kPlaceTime] <= EndTime(); ++k) {
+      if (DepthInside(term, places_[k].head<2>()) < -kAreaReach_m && DepthInside(term, places_[k + 1].head<2>()) < -kAreaReach_m) continue;
+      for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
+        const auto add = [&](const ResolvedJoint* joint) {
+          Add(problem, new KeepOutResidual(kinematics_[k], joint ? joint->chain : nullptr, {false, phase}, term, joint ? kFootMargin_m : 0.02, 0.005), k);
+        };
+        add(nullptr);
+        for (int side = 0; side < 2; ++side) {
+          add(&problem_.ball[side]);
+          add(&problem_.heel[side]);
+        }
+      }
+    }
+  }
+
+  void AddTerm(ceres::Problem* problem, const LookAtTerm& term, const std::vector<ResolvedJoint>&) {
+    const double spacing = 0.15;
+    const int count = std::max(1, static_cast<int>(std::ceil((term.to_s - term.from_s) / spacing)));
+    for (int i = 0; i <= count; ++i) {
+      const Place at = PlaceOfTime(term.from_s + (term.to_s - term.from_s) * i / count);
+      Add(problem, new LookAtResidual(kinematics_[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, kPath * term.tolerance_rad), at.step);
+    }
+  }
+
+  void AddTerm(ceres::Problem* problem, const PoseTerm& term, const std::vector<ResolvedJoint>& joints) {
+    const Place at = PlaceOf(term.at);
+    const FloorState root = kinematics_[at.step]->Root(at.moment, latents_[at.step], places_[at.step]);
+    const Eigen::AngleAxisd turn(root.value[2], Eigen::Vector3d::UnitY());
+    for (size_t k = 0; k < joints.size(); ++k) {
+      const Eigen::Vector3d target = turn * term.values_m[k] + Eigen::Vector3d(root.value[0], 0, root.value[1]);
+      AddJoint(problem, at, joints[k], target, Eigen::Vector3d::Constant(kTight * term.tolerance_m), MeasuredJoint(at.frame, joints[k].joint));
+    }
+  }
+
+  void Solve(int iterations) {
+    offsets_.clear();
+    ceres::Problem problem;
+    AddPrior(&problem);
+    AddPathAndGoal(&problem);
+    AddConstraints(&problem);
+    ceres::Solver::Options options;
+    options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
+    options.max_num_iterations = iterations;
+    options.function_tolerance = 1e-3;
+    options.initial_trust_region_radius = 1e6;
+    options.num_threads = 1;
+    options.logging_type = ceres::SILENT;
+    ceres::Solver::Summary summary;
+    ceres::Solve(options, &problem, &summary);
+  }
+
+  void MakeClip() {
+    result_.walk.steps.clear();
+    double time = 0;
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      const WalkStep step = WithLatent(graph_, k > 0 ? &result_.walk.steps.back().step : nullptr, steps_[k], latents_[k]);
+      StepShape shape = graph_.primitive(step.primitive).Shape(step.latent);
+      const double length = shape.duration_s * rate();
+      if (k == 0 && problem_.guide.from != WalkBoundary::kWalking) time = MarginBefore(shape) * length;
+      result_.walk.steps.push_back({step, std::move(shape), time, time + length});
+      time += length;
+    }
+    if (stops()) {
+      const DrawnStep& last = result_.walk.steps.back();
+      frames_ = static_cast<int>(std::floor(last.end + MarginAfter(last.shape) * (last.end - last.start))) + 1;
+    }
+    result_.walk.frames = frames_;
+    if (problem_.guide.free_heading) result_.start.heading_rad = places_[0][kPlaceHeading];
+    result_.clip = MakeWalkClip(graph_, result_.walk.steps, frames_, rate(), result_.start);
+    result_.evaluation = EvaluateClip(result_.clip);
+    result_.keyframe_times_s.clear();
+    for (const DrawnStep& step : result_.walk.steps) result_.keyframe_times_s.push_back(step.start / rate());
+    result_.keyframe_times_s.push_back(result_.walk.steps.back().end / rate());
+    result_.outcomes = MeasureControls(problem_, result_.keyframe_times_s, {result_.clip, result_.evaluation.contacts});
+  }
+
+  // The largest residual, in tolerances.
+  double WorstMiss() const {
+    double worst = 0;
+    for (const ControlOutcome& outcome : result_.outcomes) {
+      worst = std::max(worst, outcome.tolerance > 0 ? outcome.residual / outcome.tolerance : outcome.residual > 0 ? 1 + 100 * outcome.residual : 0.0);
+    }
+    return worst;
+  }
+
+  // Puts the places where the clip has them, and keeps what the joins added.
+  void TakeOverPlaces() {
+    for (size_t k = 0; k <= steps_.size(); ++k) {
+      const double frame = result_.keyframe_times_s[k] * rate();
+      if (k == 0 || frame <= frames_ - 1) {
+        const int low = std::clamp(static_cast<int>(frame), 0, frames_ - 2);
+        const double t = frame - low;
+        const Eigen::Vector3d a = MeasuredRoot(low), b = MeasuredRoot(low + 1);
+        Eigen::Vector3d there = a + t * (b - a);
+        there[2] = a[2] + t * std::remainder(b[2] - a[2], 2 * M_PI);
+        there[2] = places_[k][kPlaceHeading] + std::remainder(there[2] - places_[k][kPlaceHeading], 2 * M_PI);
+        if (k > 0) {
+          const KeyframePlace model = kinematics_[k - 1]->Next(latents_[k - 1], places_[k - 1]).value;
+          const Eigen::Vector3d added = there - model.head<3>();
+          joins_[k - 1] = Turned(-places_[k - 1][kPlaceHeading], added);
+        }
+        places_[k].head<3>() = there;
+      } else {
+        const Eigen::Vector3d joined = Turned(places_[k - 1][kPlaceHeading], joins_[k - 1]);
+        places_[k] = kinematics_[k - 1]->Next(latents_[k - 1], places_[k - 1]).value;
+        places_[k].head<3>() += joined;
+      }
+      places_[k][kPlaceTime] = result_.keyframe_times_s[k];
+      if (problem_.guide.path) {
+        const double before = k > 0 ? along_m_[k - 1] : 0;
+        along_m_[k] = problem_.guide.path->NearestTo(places_[k].head<2>(), before - 0.2, before + 2).along_m;
+      }
+    }
+  }
+
+  const ControlProblem& problem_;
+  const MotionGraph& graph_;
+  std::vector<WalkStep> steps_;
+  std::vector<std::shared_ptr<const StepKinematics>> kinematics_;
+  std::vector<StepInnovation> innovations_;
+  std::vector<Eigen::VectorXd> drawn_;  // innovations
+  Eigen::VectorXd first_;               // drawn latent of the first step
+  std::vector<Eigen::Vector3d> joins_;  // what a clip's joins add to the steps, see NextPlaceResidual
+  std::vector<double> along_m_;
+  int frames_;
+  std::vector<Eigen::VectorXd> latents_;
+  std::vector<KeyframePlace> places_;
+  std::list<Eigen::Vector3d> offsets_;  // of the terms of the present solution
+  SteeredWalk result_;
+};
+
+}  // namespace
+
+bool SteeredWalk::all_met() const {
+  return std::all_of(outcomes.begin(), outcomes.end(), [](const ControlOutcome& outcome) { return outcome.met; });
+}
+
+SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics) {
+  return Optimizer(problem, plan, kinematics).Run();
+}
+
+}  // namespace morphograph

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "synthesis/control/control_measure.h"
+#include "synthesis/evaluation.h"
+#include "synthesis/walk_sampler.h"
+
+namespace morphograph {
+
+/// A walk that was steered, and its clip.
+struct SteeredWalk {
+  DrawnWalk walk;
+  StartPose start;
+  MotionClip clip;
+  ClipEvaluation evaluation;
+  std::vector<double> keyframe_times_s;
+  std::vector<ControlOutcome> outcomes;
+
+  bool all_met() const;
+};
+
+/// Moves a planned walk to where it meets its terms, and no farther from the plan than that takes: maximum a posteriori over the whitened
+/// latents of all steps at once (METHODS section 4), by Ceres. Innovations stay near the drawn ones, so that results keep the variety
+/// of the model (see InnovationResidual).
+///
+/// Clips are made of cross-faded steps with their feet locked, so that they deviate from what the steps alone say. The clip is therefore
+/// made after each solution, what it really does is measured, and the difference becomes part of the next one, until the terms are met
+/// on the clip itself or no longer come nearer.
+SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics);
+
+}  // namespace morphograph

@@ -1,0 +1,297 @@
+#include "synthesis/control/walk_planner.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "synthesis/control/floor_area.h"
+#include "synthesis/step_track.h"
+#include "synthesis/unsatisfiable_request.h"
+#include "synthesis/walk_rules.h"
+
+namespace morphograph {
+namespace {
+
+constexpr size_t kBeamWidth = 8;
+constexpr int kFirstDraws = 16;
+constexpr int kDraws = 4;        // successors of each walk in the beam
+constexpr int kEndDraws = 2;     // of them that stop
+constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its last cross-fade and for steps that grow shorter
+
+// Deviations of what the search looks at, about a third of what the optimiser can still move without leaving what is likely.
+constexpr double kHeading = 0.3, kGoal_m = 0.15, kGoalHeading = 0.15, kSpeed_m_s = 0.1, kProgress_m = 0.25, kPlace_m = 0.1, kEndTime_s = 0.1;
+constexpr double kClearance_m = 0.3;  // of the root from areas kept out of: feet and sway need room
+constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
+
+double Square(double value) { return value * value; }
+
+double AngleBetween(double a, double b) { return std::remainder(a - b, 2 * M_PI); }
+
+// A walk in the beam, by its last step.
+struct Node {
+  int parent = -1;
+  WalkStep step;
+  KeyframePlace place = KeyframePlace::Zero(), next = KeyframePlace::Zero();  // where the step begins and ends
+  double along = 0;           // on the path, at its end
+  double cost = 0;            // of what has been walked
+  double estimate = 0;        // of what lies ahead
+  int steps = 1;
+  double end_s = 0;           // of the clip, once the walk is over
+};
+
+class Search {
+ public:
+  Search(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng)
+      : graph_(graph), guide_(guide), kinematics_(*kinematics), rng_(rng) {}
+
+  WalkPlan Run() {
+    std::vector<int> beam;
+    for (int i = 0; i < kFirstDraws; ++i) {
+      beam.push_back(AddFirst());
+      Finish(beam.back());
+    }
+    Keep(&beam);
+    for (int depth = 1; !beam.empty() && depth < StepLimit(); ++depth) {
+      std::vector<int> next;
+      for (const int walk : beam) Expand(walk, &next);
+      Keep(&next);
+      beam = std::move(next);
+    }
+    if (finished_.empty()) throw UnsatisfiableRequest(guide_.to == WalkBoundary::kWalking ? "/style" : "/end", "no walk of this model begins, goes on and ends as asked");
+    return Plan(*std::min_element(finished_.begin(), finished_.end(), [&](int a, int b) { return nodes_[a].cost < nodes_[b].cost; }));
+  }
+
+ private:
+  bool stops() const { return guide_.to != WalkBoundary::kWalking; }
+
+  int StepLimit() const {
+    if (guide_.steps) return *guide_.steps + 1;
+    if (guide_.duration_s) return static_cast<int>(*guide_.duration_s / 0.15) + 10;
+    return std::min(kMaxSteps, static_cast<int>(guide_.path->length_m() / 0.1) + 20);
+  }
+
+  int AddFirst() {
+    Node node;
+    node.step = DrawStart(graph_, guide_.style, guide_.from, [&](int p) { return LeadsOn(graph_, p); }, rng_);
+    double begins = 0;
+    if (guide_.from != WalkBoundary::kWalking) {
+      const StepShape shape = graph_.primitive(node.step.primitive).Shape(node.step.latent);
+      begins = MarginBefore(shape) * shape.duration_s;
+    }
+    node.place = {guide_.start.position_m.x(), guide_.start.position_m.y(), guide_.start.heading_rad, begins};
+    if (guide_.free_heading) {
+      const KeyframePlace end = kinematics_.Of(node.step)->Next(node.step.whitened, node.place).value;
+      const Eigen::Vector2d moved = end.head<2>() - node.place.head<2>();
+      const Eigen::Vector2d wanted = guide_.path->At(std::min(guide_.path->length_m(), moved.norm())) - node.place.head<2>();
+      if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += AngleBetween(HeadingOfDirection(wanted), HeadingOfDirection(moved));
+    }
+    return Add(std::move(node));
+  }
+
+  // Sets the step down, counts what it costs. Returns the walk's number.
+  int Add(Node node) {
+    const auto kinematics = kinematics_.Of(node.step);
+    node.next = kinematics->Next(node.step.whitened, node.place).value;
+    const Eigen::Vector2d begin = node.place.head<2>(), end = node.next.head<2>();
+    const Eigen::Vector2d middle = kinematics->Root({false, 0.5}, node.step.whitened, node.place).value.head<2>();
+    const double duration = node.next[kPlaceTime] - node.place[kPlaceTime];
+    const Eigen::Vector2d velocity = (end - begin) / duration;
+    const double before = node.along;
+    if (guide_.path) {
+      const FloorPath::Nearest at = guide_.path->NearestTo(end, before - 0.2, before + 2);
+      const FloorPath::Nearest half = guide_.path->NearestTo(middle, before - 0.2, before + 2);
+      node.along = at.along_m;
+      node.cost += (Square(at.distance_m) + Square(half.distance_m)) / Square(guide_.path_deviation_m);
+      // Where the path leads next is where the body should turn to.
+      const double ahead = std::min(guide_.path->length_m(), at.along_m + 0.2);
+      node.cost += Square(AngleBetween(node.next[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
+      const bool at_end = at.along_m >= guide_.path->length_m() - 1e-6;
+      if (!at_end && node.along - before < 0.3 * (end - begin).norm()) node.cost += 4;
+      if (guide_.duration_s) {
+        const double expected = guide_.path->length_m() * std::min(1.0, node.next[kPlaceTime] / *guide_.duration_s);
+        node.cost += Square((node.along - expected) / kProgress_m);
+      }
+    }
+    if (!guide_.speeds.empty()) {
+      const double wanted = SpeedAt(guide_.speeds, (node.place[kPlaceTime] + node.next[kPlaceTime]) / 2);
+      node.cost += Square((velocity.norm() - wanted) / kSpeed_m_s);
+    }
+    node.estimate = 0;
+    const auto timed = [&](double time, auto miss_of) {
+      if (time < node.place[kPlaceTime]) return;
+      // Before its time, where the walk would be if it went on as it goes, the less certain the farther off.
+      const double still = std::max(0.0, time - node.next[kPlaceTime]);
+      const double cost = miss_of(std::min(time, node.next[kPlaceTime]), still);
+      (still > 0 ? node.estimate : node.cost) += cost;
+    };
+    for (const TimedPlace& wanted : guide_.places) {
+      timed(wanted.time_s, [&](double time, double still) {
+        const Eigen::Vector2d there = begin + velocity * (time - node.place[kPlaceTime] + still);
+        return Square(std::max(0.0, (there - wanted.position_m).norm() - wanted.reach_m) / (kPlace_m + 0.25 * still));
+      });
+    }
+    for (const TimedHeading& wanted : guide_.headings) {
+      timed(wanted.time_s, [&](double time, double still) {
+        const double t = (time - node.place[kPlaceTime]) / duration;
+        const double there = node.place[kPlaceHeading] + t * AngleBetween(node.next[kPlaceHeading], node.place[kPlaceHeading]);
+        return Square(AngleBetween(there, wanted.heading_rad) / (kGoalHeading + 0.3 * still));
+      });
+    }
+    for (const KeepOutTerm& area : guide_.keep_out) {
+      for (const Eigen::Vector2d& point : {middle, end}) node.cost += Square(std::max(0.0, DepthInside(area, point) + kClearance_m) / 0.1);
+      node.estimate += Square(std::max(0.0, DepthInside(area, end + 0.6 * velocity) + kClearance_m) / 0.2);
+    }
+    nodes_.push_back(std::move(node));
+    return static_cast<int>(nodes_.size()) - 1;
+  }
+
+  // A walk over at a time of its last step: what is missing then. Ends of walks that stop are at that step's end.
+  void AddFinished(int walk, double end_s) {
+    Node& node = nodes_[walk];
+    const double t = stops() ? 1 : std::clamp((end_s - node.place[kPlaceTime]) / (node.next[kPlaceTime] - node.place[kPlaceTime]), 0.0, 1.0);
+    const Eigen::Vector2d there = node.place.head<2>() + t * (node.next.head<2>() - node.place.head<2>());
+    if (guide_.goal_m) node.cost += Square((there - *guide_.goal_m).norm() / kGoal_m);
+    if (guide_.goal_heading_rad) {
+      const double heading = node.place[kPlaceHeading] + t * AngleBetween(node.next[kPlaceHeading], node.place[kPlaceHeading]);
+      node.cost += Square(AngleBetween(heading, *guide_.goal_heading_rad) / kGoalHeading);
+    }
+    node.end_s = end_s;
+    finished_.push_back(walk);
+  }
+
+  // True where the walk is over within its last step.
+  bool Finish(int walk) {
+    const Node& node = nodes_[walk];
+    if (stops()) return false;
+    if (guide_.steps) {
+      if (node.steps < *guide_.steps) return false;
+      AddFinished(walk, node.next[kPlaceTime]);
+    } else if (guide_.duration_s) {
+      if (node.next[kPlaceTime] < *guide_.duration_s) return false;
+      AddFinished(walk, *guide_.duration_s);
+    } else {
+      const double length = guide_.path->length_m();
+      if (node.along < length - 1e-6) return false;
+      // When the path's end was passed, by the projection on the last direction.
+      const Eigen::Vector2d direction = guide_.path->Direction(length), end = guide_.path->At(length);
+      const double from = direction.dot(node.place.head<2>() - end), to = direction.dot(node.next.head<2>() - end);
+      const double t = to > from ? std::clamp(-from / (to - from), 0.05, 1.0) : 1;
+      AddFinished(walk, node.place[kPlaceTime] + t * (node.next[kPlaceTime] - node.place[kPlaceTime]));
+    }
+    return true;
+  }
+
+  void Expand(int walk, std::vector<int>* next) {
+    const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
+    const auto ends = [&](int p) { return EndsIn(graph_.primitive(p)) == guide_.to; };
+    if (stops() && MayStop(nodes_[walk])) {
+      for (int i = 0; i < kEndDraws; ++i) {
+        const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, ends, rng_);
+        if (edge < 0) break;
+        const int end = AddAfter(walk, edge);
+        Node& node = nodes_[end];
+        const StepShape shape = graph_.primitive(node.step.primitive).Shape(node.step.latent);
+        const double length = node.next[kPlaceTime] + MarginAfter(shape) * shape.duration_s;
+        if (guide_.duration_s) node.cost += Square((length - *guide_.duration_s) / kEndTime_s);
+        AddFinished(end, length);
+      }
+    }
+    if (stops() && guide_.steps && nodes_[walk].steps + 1 >= *guide_.steps) return;
+    if (stops() && guide_.duration_s && nodes_[walk].next[kPlaceTime] > *guide_.duration_s + kStopSearch_s) return;
+    if (stops() && !guide_.duration_s && !guide_.steps && nodes_[walk].along >= guide_.path->length_m() - 1e-6) return;
+    for (int i = 0; i < kDraws; ++i) {
+      const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
+      if (edge < 0) return;
+      const int grown = AddAfter(walk, edge);
+      if (!Finish(grown)) next->push_back(grown);
+    }
+  }
+
+  bool MayStop(const Node& node) const {
+    if (guide_.steps) return node.steps + 1 == *guide_.steps;
+    if (guide_.duration_s) return std::abs(node.next[kPlaceTime] - *guide_.duration_s) < kStopSearch_s;
+    return guide_.path->length_m() - node.along < kStopSearch_m;
+  }
+
+  int AddAfter(int walk, int edge) {
+    Node node;
+    node.parent = walk;
+    node.step = DrawNextStep(graph_, nodes_[walk].step, edge, rng_);
+    node.place = nodes_[walk].next;
+    node.along = nodes_[walk].along;
+    node.cost = nodes_[walk].cost;
+    node.steps = nodes_[walk].steps + 1;
+    return Add(std::move(node));
+  }
+
+  void Keep(std::vector<int>* beam) const {
+    const auto better = [&](int a, int b) {
+      const double first = nodes_[a].cost + nodes_[a].estimate, second = nodes_[b].cost + nodes_[b].estimate;
+      return first != second ? first < second : a < b;
+    };
+    std::sort(beam->begin(), beam->end(), better);
+    beam->erase(std::remove_if(beam->begin(), beam->end(), [&](int walk) { return std::find(finished_.begin(), finished_.end(), walk) != finished_.end(); }),
+                beam->end());
+    if (beam->size() > kBeamWidth) beam->resize(kBeamWidth);
+  }
+
+  WalkPlan Plan(int walk) {
+    const double end_s = nodes_[walk].end_s;
+    if (!stops()) {
+      const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
+      while (nodes_[walk].next[kPlaceTime] < end_s + kSpare_s) {
+        const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
+        if (edge < 0) break;
+        walk = AddAfter(walk, edge);
+      }
+    }
+    WalkPlan plan;
+    // Walks that stop last until their margin is over; others end at the frame nearest to the moment.
+    plan.frames = 1 + std::max(1, static_cast<int>(stops() ? std::floor(end_s * guide_.frame_rate_hz) : std::lround(end_s * guide_.frame_rate_hz)));
+    plan.places.push_back(nodes_[walk].next);
+    plan.along_m.push_back(nodes_[walk].along);
+    for (int i = walk; i >= 0; i = nodes_[i].parent) {
+      plan.steps.push_back(nodes_[i].step);
+      plan.places.push_back(nodes_[i].place);
+      plan.along_m.push_back(nodes_[i].parent >= 0 ? nodes_[nodes_[i].parent].along : 0);
+    }
+    std::reverse(plan.steps.begin(), plan.steps.end());
+    std::reverse(plan.places.begin(), plan.places.end());
+    std::reverse(plan.along_m.begin(), plan.along_m.end());
+    return plan;
+  }
+
+  const MotionGraph& graph_;
+  const WalkGuide& guide_;
+  KinematicsCache& kinematics_;
+  std::mt19937_64& rng_;
+  std::vector<Node> nodes_;
+  std::vector<int> finished_;
+};
+
+}  // namespace
+
+double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s) {
+  size_t i = 0;
+  while (i < profile.size() && profile[i].time_s <= time_s) ++i;
+  if (i == 0) return profile.front().speed_m_s;
+  if (i == profile.size()) return profile.back().speed_m_s;
+  const auto &a = profile[i - 1], &b = profile[i];
+  return a.speed_m_s + (b.speed_m_s - a.speed_m_s) * (time_s - a.time_s) / (b.time_s - a.time_s);
+}
+
+std::shared_ptr<const StepKinematics> KinematicsCache::Of(const WalkStep& step) {
+  const std::pair<int, int> key{step.primitive, step.component};
+  for (const auto& [known, kinematics] : made_) {
+    if (known == key) return kinematics;
+  }
+  const MotionPrimitive& primitive = graph_.primitive(step.primitive);
+  const Eigen::Quaterniond& mean = graph_.styles()[static_cast<size_t>(primitive.style_index)].mean_rotations[static_cast<size_t>(graph_.layout().active_joints()[0])];
+  made_.emplace_back(key, std::make_shared<StepKinematics>(std::make_shared<StepModel>(primitive, step.component), graph_.layout(), mean));
+  return made_.back().second;
+}
+
+WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng) {
+  return Search(graph, guide, kinematics, rng).Run();
+}
+
+}  // namespace morphograph

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <optional>
+#include <random>
+#include <vector>
+
+#include "synthesis/control/floor_path.h"
+#include "synthesis/control/step_kinematics.h"
+#include "synthesis/graph_walk.h"
+#include "synthesis/synthesis_types.h"
+
+namespace morphograph {
+
+/// The root is to be within reach of a point on the floor at a time.
+struct TimedPlace {
+  double time_s = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+  double reach_m = 0;
+};
+struct TimedHeading {
+  double time_s = 0;
+  double heading_rad = 0;
+};
+
+/// What the search over the graph is guided by.
+struct WalkGuide {
+  int style = 0;
+  WalkBoundary from = WalkBoundary::kWalking, to = WalkBoundary::kWalking;
+  double frame_rate_hz = 30;
+  StartPose start;
+  bool free_heading = false;              // turned so that the first step goes along the path
+  std::optional<FloorPath> path;          // to its end, from its beginning
+  double path_deviation_m = 0.08;         // how near to it
+  std::optional<Eigen::Vector2d> goal_m;  // where the walk is when it is over
+  std::optional<double> goal_heading_rad;
+  // When the walk is over: at a time, after so many steps, or (neither) at the path's end.
+  std::optional<double> duration_s;
+  std::optional<int> steps;
+  std::vector<SpeedTerm::Knot> speeds;
+  std::vector<TimedPlace> places;
+  std::vector<TimedHeading> headings;
+  std::vector<KeepOutTerm> keep_out;
+};
+
+/// A legal walk over the graph, set down on the floor.
+struct WalkPlan {
+  std::vector<WalkStep> steps;
+  std::vector<KeyframePlace> places;  // one more than steps: where each begins, and where the last ends
+  std::vector<double> along_m;        // the same, on the guide's path
+  int frames = 0;                     // of the clip; where the walk stops, its last step's margin is the end
+};
+
+/// Makes StepKinematics once for every primitive and component of a style.
+class KinematicsCache {
+ public:
+  KinematicsCache(const MotionGraph& graph) : graph_(graph) {}
+  std::shared_ptr<const StepKinematics> Of(const WalkStep& step);
+
+ private:
+  const MotionGraph& graph_;
+  std::vector<std::pair<std::pair<int, int>, std::shared_ptr<const StepKinematics>>> made_;
+};
+
+/// Finds a walk near to what is asked: a beam search over the graph whose successors are drawn from the transitions, so that every walk it
+/// finds is one that might have been drawn (METHODS section 4). What is still missing is the optimiser's work.
+/// @throws UnsatisfiableRequest where no walk begins, goes on or ends as asked.
+WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng);
+
+/// Speed of a profile at a time.
+double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s);
+
+}  // namespace morphograph

@@ -1,0 +1,231 @@
+// Steered clips: how well they do what they are asked, how they move, and what they cost (one thread, processor time).
+//
+//   control_benchmark --model bnr.mgm [--count 50] [--kind path …] [--seed 1] [--out DIR]
+//
+// Requests are random but seeded, styles in turn. Points to reach come from walks of other seeds from the same start (so that they are
+// within reach of the body), moved at random by up to 10 cm.
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <boost/random/normal_distribution.hpp>
+#include <boost/random/uniform_real_distribution.hpp>
+#include <cmath>
+#include <cstdio>
+#include <ctime>
+#include <filesystem>
+#include <functional>
+#include <map>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "datasets/atomic_file.h"
+#include "datasets/bvh_writer.h"
+#include "datasets/clip_conversion.h"
+#include "datasets/forward_kinematics.h"
+#include "datasets/quantile.h"
+#include "graph/model_io.h"
+#include "synthesis/control/floor_path.h"
+#include "synthesis/motion_synthesizer.h"
+#include "synthesis/set_quality.h"
+
+namespace {
+
+using morphograph::SynthesisRequest;
+using morphograph::SynthesisResult;
+using Rng = std::mt19937_64;
+
+double Uniform(double low, double high, Rng& rng) { return boost::random::uniform_real_distribution<double>(low, high)(rng); }
+
+// A line of arcs and straights with radii of a metre and more.
+std::vector<Eigen::Vector2d> RandomLine(double length_m, Rng& rng) {
+  std::vector<Eigen::Vector2d> line = {{0, 0}};
+  double heading = 0, left = 0, curvature = 0;
+  for (double along = 0; along < length_m; along += 0.1) {
+    if (left <= 0) {
+      left = Uniform(0.8, 2.5, rng);
+      curvature = Uniform(-1, 1, rng);
+      if (std::abs(curvature) < 0.3) curvature = 0;
+    }
+    heading += 0.1 * curvature;
+    left -= 0.1;
+    line.push_back(line.back() + 0.1 * morphograph::DirectionOfHeading(heading));
+  }
+  return line;
+}
+
+class Requests {
+ public:
+  Requests(const morphograph::MotionGraph& graph, std::uint64_t seed) : graph_(graph), rng_(seed), styles_(graph.style_names()) {
+    for (const std::string& style : styles_) {
+      SynthesisRequest request;
+      request.style = style;
+      std::vector<double> speeds;
+      for (std::uint64_t s = 0; s < 10; ++s) {
+        request.seed = 900 + s;
+        const SynthesisResult clip = Synthesize(graph_, request);
+        double way = 0;
+        for (size_t f = 1; f < clip.report.path_m.size(); ++f) way += (clip.report.path_m[f] - clip.report.path_m[f - 1]).norm();
+        speeds.push_back(way / clip.report.duration_s);
+      }
+      speeds_[style] = {*std::min_element(speeds.begin(), speeds.end()), *std::max_element(speeds.begin(), speeds.end())};
+    }
+  }
+
+  SynthesisRequest Make(const std::string& kind, int i) {
+    SynthesisRequest request;
+    request.seed = static_cast<std::uint64_t>(i);
+    if (!styles_.empty()) request.style = styles_[static_cast<size_t>(i) % styles_.size()];
+    const auto [slow, fast] = styles_.empty() ? std::pair(1.0, 1.4) : speeds_[*request.style];
+    if (kind == "path") {
+      request.control.path = {.points_m = RandomLine(10 * (slow + fast) / 2, rng_), .smooth = true};
+    } else if (kind == "polyline") {
+      request.control.path = {.points_m = {{0, 0}, {2, 0}, {4, 3}}};
+    } else if (kind == "goal") {
+      request.control.goal = {.position_m = Direction(0.8) * Uniform(3, 6, rng_)};
+      request.start_given.heading = true;
+      request.control.goal->heading_rad = Uniform(-1, 1, rng_);
+    } else if (kind == "arrival") {
+      const double length = Uniform(5, 9, rng_);
+      request.control.goal = {.position_m = {0, length}, .time_s = length / Uniform(slow, fast, rng_)};
+    } else if (kind == "speed") {
+      request.control.path = {.points_m = {{0, 0}, {0, 8}}};
+      request.control.speed = {.profile = {{0, Uniform(slow, fast, rng_)}}};
+    } else if (kind == "heading") {
+      request.duration_s = 6;
+      request.control.constraints.push_back(morphograph::HeadingTerm{.at = {.time_s = 4}, .value_rad = Uniform(-1, 1, rng_)});
+    } else if (kind == "footstep") {
+      request.duration_s = 5;
+      const SynthesisResult other = Other(request);
+      morphograph::FootstepTerm term{.left = i % 2 == 0, .index = 3};
+      int index = 0;
+      for (const auto& foot : other.report.contacts) {
+        if ((foot.interval.foot == morphograph::Foot::kLeft) == term.left && index++ == term.index) term.value_m = foot.position_m + Direction(M_PI) * Uniform(0, 0.1, rng_);
+      }
+      request.control.constraints.push_back(term);
+    } else if (kind == "wrist") {
+      request.duration_s = 5;
+      const SynthesisResult other = Other(request);
+      const double time = std::round(Uniform(1.5, 4, rng_) * 30) / 30;
+      const auto role = i % 2 == 0 ? morphograph::JointRole::kLeftWrist : morphograph::JointRole::kRightWrist;
+      const Eigen::Vector3d there =
+          ForwardKinematics(other.clip, static_cast<int>(std::lround(time * 30))).positions.col(graph_.skeleton().roles()[role]);
+      const Eigen::Vector3d moved = Eigen::Vector3d(Uniform(-1, 1, rng_), Uniform(-1, 1, rng_), Uniform(-1, 1, rng_)).normalized() * Uniform(0, 0.1, rng_);
+      request.control.constraints.push_back(morphograph::PositionTerm{.joint = i % 2 == 0 ? "left_wrist" : "right_wrist", .at = {.time_s = time}, .value_m = there + moved});
+    } else if (kind == "keep_out") {
+      request.control.goal = {.position_m = {0, 6}};
+      request.control.constraints.push_back(morphograph::KeepOutTerm{.center_m = {Uniform(-0.6, 0.6, rng_), Uniform(2.5, 3.5, rng_)}, .radius_m = 0.5});
+    } else if (kind == "look_at") {
+      request.duration_s = 5;
+      request.control.constraints.push_back(morphograph::LookAtTerm{.from_s = 1.5, .to_s = 3, .value_m = {Uniform(-2, 2, rng_), 1.5, 8}});
+    } else {
+      throw std::runtime_error("no requests of kind '" + kind + "'");
+    }
+    return request;
+  }
+
+ private:
+  Eigen::Vector2d Direction(double range) { return morphograph::DirectionOfHeading(Uniform(-range, range, rng_)); }
+
+  SynthesisResult Other(SynthesisRequest request) const {
+    request.seed += 5000;
+    return Synthesize(graph_, request);
+  }
+
+  const morphograph::MotionGraph& graph_;
+  Rng rng_;
+  std::vector<std::string> styles_;
+  std::map<std::string, std::pair<double, double>> speeds_;
+};
+
+struct Tally {
+  std::map<std::string, std::vector<double>> residuals;  // by pointer
+  std::map<std::string, std::string> units;
+};
+
+void Run(const morphograph::MotionGraph& graph, const std::string& kind, int count, std::uint64_t seed, const std::string& out) {
+  Requests requests(graph, seed);
+  Tally tally;
+  std::vector<double> ms, path_mean, path_95, steps;
+  std::vector<morphograph::MotionClip> clips, free;
+  std::map<std::string, int> failures;
+  int met = 0;
+  for (int i = 0; i < count; ++i) {
+    const SynthesisRequest request = requests.Make(kind, i);
+    const std::clock_t started = std::clock();
+    try {
+      SynthesisResult result = Synthesize(graph, request);
+      ms.push_back(1e3 * static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
+      ++met;
+      for (const morphograph::ControlOutcome& outcome : result.report.constraints) {
+        tally.residuals[outcome.pointer].push_back(outcome.residual);
+        tally.units[outcome.pointer] = outcome.unit;
+      }
+      for (const morphograph::StepReport& step : result.report.steps) steps.push_back(step.log_likelihood);
+      if (request.control.path) {
+        const morphograph::FloorPath path(request.control.path->points_m, request.control.path->smooth);
+        std::vector<double> distances;
+        for (const Eigen::Vector2d& root : result.report.path_m) distances.push_back(path.NearestTo(root).distance_m);
+        double sum = 0;
+        for (const double d : distances) sum += d;
+        path_mean.push_back(sum / static_cast<double>(distances.size()));
+        path_95.push_back(morphograph::Quantile(distances, 0.95));
+      }
+      if (!out.empty()) morphograph::WriteFileAtomically(std::filesystem::path(out) / (kind + std::to_string(i) + ".bvh"), WriteBvh(ExportClip(result.clip)));
+      SynthesisRequest unsteered;
+      unsteered.seed = request.seed;
+      unsteered.style = request.style;
+      unsteered.duration_s = result.report.duration_s;
+      free.push_back(Synthesize(graph, unsteered).clip);
+      clips.push_back(std::move(result.clip));
+    } catch (const morphograph::UnsatisfiableRequest& unmet) {
+      ms.push_back(1e3 * static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
+      for (const auto& field : unmet.unmet()) {
+        if (failures[field.pointer]++ < 2) std::printf("  %d: %s %s\n", i, field.pointer.c_str(), field.detail.c_str());
+      }
+    }
+  }
+  std::printf("%-10s met %d of %d; ms median %.1f, 90 %% %.1f, 99 %% %.1f", kind.c_str(), met, count, morphograph::Median(ms), morphograph::Quantile(ms, 0.9),
+              morphograph::Quantile(ms, 0.99));
+  if (!steps.empty()) std::printf("; ln p a step: median %.1f, 5 %% %.1f", morphograph::Median(steps), morphograph::Quantile(steps, 0.05));
+  std::printf("\n");
+  for (auto& [pointer, residuals] : tally.residuals) {
+    const double scale = tally.units[pointer] == "rad" ? 180 / M_PI : tally.units[pointer] == "m" ? 100 : 1;
+    const char* unit = tally.units[pointer] == "rad" ? "deg" : tally.units[pointer] == "m" ? "cm" : tally.units[pointer].c_str();
+    std::printf("  %-16s median %.2f, 95 %% %.2f, largest %.2f %s\n", pointer.c_str(), scale * morphograph::Median(residuals),
+                scale * morphograph::Quantile(residuals, 0.95), scale * morphograph::Quantile(residuals, 1), unit);
+  }
+  if (!path_mean.empty()) {
+    std::printf("  distance from path: mean over clips of mean %.2f cm, of 95 %% %.2f cm; worst clip %.2f, %.2f\n", 100 * morphograph::Quantile(path_mean, 0.5),
+                100 * morphograph::Median(path_95), 100 * morphograph::Quantile(path_mean, 1), 100 * morphograph::Quantile(path_95, 1));
+  }
+  if (clips.size() >= 5) {
+    const morphograph::SetQuality a = MeasureSet(clips), b = MeasureSet(free);
+    std::printf("  steered / not: contact %.2f, skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
+                a.contact_distance_m / b.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
+                a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3, a.min_knee_flexion_deg, b.min_knee_flexion_deg);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::string model, out;
+  std::vector<std::string> kinds = {"path", "polyline", "goal", "arrival", "speed", "heading", "footstep", "wrist", "keep_out", "look_at"};
+  int count = 50;
+  std::uint64_t seed = 1;
+  CLI::App app("Steered clips: accuracy, motion, time");
+  app.add_option("--model", model, "a model file")->required();
+  app.add_option("--kind", kinds, "kinds of requests");
+  app.add_option("--count", count, "requests of each kind");
+  app.add_option("--seed", seed, "of the requests");
+  app.add_option("--out", out, "folder for the clips");
+  CLI11_PARSE(app, argc, argv);
+  try {
+    const auto graph = morphograph::LoadModel(model);
+    for (const std::string& kind : kinds) Run(*graph, kind, count, seed, out);
+  } catch (const std::exception& error) {
+    std::fprintf(stderr, "control_benchmark: %s\n", error.what());
+    return 1;
+  }
+  return 0;
+}
