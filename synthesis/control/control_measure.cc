@@ -19,7 +19,7 @@ class Measurer {
   std::vector<ControlOutcome> All() {
     const ControlTerms& control = problem_.request.control;
     const int last = measured_.clip.frame_count() - 1;
-    if (control.path) Add("/path", PathMiss(), control.path->tolerance_m, "m");
+    if (control.path) Add("/path", PathMiss(), control.path->tolerance_m, "m", true);
     if (control.goal) {
       Add("/goal", (measured_.RootAt(last) - control.goal->position_m).norm(), control.goal->tolerance_m, "m");
       if (control.goal->heading_rad)
@@ -28,7 +28,7 @@ class Measurer {
     } else if (control.path) {
       Add("/path/end", (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m");
     }
-    if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s");
+    if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s", true);
     for (size_t i = 0; i < control.constraints.size(); ++i) {
       index_ = static_cast<int>(i);
       std::visit([&](const auto& term) { Of(term); }, control.constraints[i]);
@@ -39,10 +39,12 @@ class Measurer {
  private:
   static constexpr double kTimeTolerance_s = 0.1;
 
-  void Add(std::string pointer, double residual, double tolerance, const char* unit) {
-    outcomes_.push_back({std::move(pointer), index_, residual <= tolerance, residual, tolerance, unit});
+  void Add(std::string pointer, double residual, double tolerance, const char* unit, bool is_mean = false) {
+    outcomes_.push_back({std::move(pointer), index_, residual <= tolerance, residual, tolerance, unit, is_mean});
   }
-  void AddConstraint(double residual, double tolerance, const char* unit) { Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit); }
+  void AddConstraint(double residual, double tolerance, const char* unit, bool is_mean = false) {
+    Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit, is_mean);
+  }
 
   double PathMiss() const {
     std::vector<double> distances;
@@ -123,7 +125,7 @@ class Measurer {
       const Eigen::Vector3d wanted = (term.value_m - pose.positions.col(problem_.head.joint)).normalized();
       sum += std::acos(std::clamp(facing.dot(wanted), -1.0, 1.0));
     }
-    AddConstraint(sum / (to - from + 1), term.tolerance_rad, "rad");
+    AddConstraint(sum / (to - from + 1), term.tolerance_rad, "rad", true);
   }
 
   void Of(const PoseTerm& term) {

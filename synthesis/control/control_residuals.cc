@@ -112,8 +112,14 @@ StepResidual::Linear PathResidual::Linearise(const Eigen::VectorXd& w, const Key
   const Eigen::Vector2d point = root.value.head<2>();
   const FloorPath::Nearest nearest = path_.NearestTo(point, from_m_, to_m_);
   const Eigen::Vector2d direction = path_.Direction(nearest.along_m);
-  const Eigen::RowVector2d left(direction.y() / deviation_m_, -direction.x() / deviation_m_);
-  return {Eigen::VectorXd::Constant(1, left.dot(point - nearest.point_m)), left * root.by_latent.topRows<2>(), left * root.by_place.topRows<2>()};
+  const Eigen::Vector2d left(direction.y(), -direction.x());
+  const Eigen::Vector2d off = point - nearest.point_m;
+  // At a corner the distance is the one from that point; beyond the part of the path that counts, the one from its line.
+  const bool inside = nearest.along_m > std::max(0.0, from_m_) && nearest.along_m < std::min(path_.length_m(), to_m_);
+  Eigen::RowVector2d gradient = left.transpose();
+  if (inside && nearest.distance_m > 1e-9) gradient = std::copysign(1 / nearest.distance_m, left.dot(off)) * off.transpose();
+  gradient /= deviation_m_;
+  return {Eigen::VectorXd::Constant(1, gradient.dot(off)), gradient * root.by_latent.topRows<2>(), gradient * root.by_place.topRows<2>()};
 }
 
 RootResidual::RootResidual(std::shared_ptr<const StepKinematics> step, const StepMoment& moment, const Eigen::Vector3d& target,

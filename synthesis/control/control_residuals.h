@@ -64,6 +64,8 @@ class StartResidual : public ceres::CostFunction {
 class StepResidual : public ceres::CostFunction {
  public:
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const final;
+  /// The derivative by the latent, (residuals x D).
+  Eigen::MatrixXd ByLatent(const Eigen::VectorXd& w, const KeyframePlace& place) const { return Linearise(w, place).by_latent; }
 
  protected:
   struct Linear {

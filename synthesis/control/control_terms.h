@@ -130,7 +130,8 @@ struct ControlOutcome {
   bool met = false;
   double residual = 0;
   double tolerance = 0;
-  std::string unit;            // "m", "rad", "m/s" or "s", of both
+  std::string unit = {};       // "m", "rad", "m/s" or "s", of both
+  bool is_mean = false;        // of many frames, or a quantile over them
 };
 
 }  // namespace morphograph

@@ -38,7 +38,7 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   KinematicsCache kinematics(graph);
   SteeredWalk best;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const WalkPlan plan = PlanWalk(graph, problem.guide, &kinematics, rng);
+    const WalkPlan plan = PlanWalk(graph, problem.guide, attempt + 1, &kinematics, rng);
     SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics);
     if (walk.all_met()) return walk;
     if (attempt == 0 || Misses(walk) < Misses(best)) best = std::move(walk);

@@ -24,7 +24,7 @@ Eigen::VectorXd Evaluate(const StepModel::Map& map, const Eigen::VectorXd& w) { 
 }  // namespace
 
 StepKinematics::StepKinematics(std::shared_ptr<const StepModel> model, const PoseLayout& layout, const Eigen::Quaterniond& mean_root)
-    : model_(std::move(model)), mean_root_(mean_root), across_(layout.across_hips()), first_(model_->Root(0)), second_(model_->Root(1)) {}
+    : model_(std::move(model)), mean_root_(mean_root), across_(layout.across_hips()), first_(model_->Root(0)), middle_(model_->Root(0.5)), second_(model_->Root(1)) {}
 
 StepKinematics::Heading StepKinematics::HeadingOf(const Eigen::Vector3d& channels) const {
   const Eigen::Matrix3d rotation = ExpMapAbout(mean_root_, channels).toRotationMatrix();
@@ -136,6 +136,22 @@ PointState StepKinematics::Joint(const JointChain& chain, const StepMoment& mome
     state.turn_by_place.col(kPlaceTime) = yaw * (joint.turn_by_pose * rate) * phase.by_time;
   }
   return state;
+}
+
+StepKinematics::Way StepKinematics::WayOf(const Eigen::VectorXd& w, const KeyframePlace& place) const {
+  const Eigen::VectorXd first = Evaluate(first_, w), middle = Evaluate(middle_, w), second = Evaluate(second_, w);
+  const auto heading = [&](const Eigen::VectorXd& root) {
+    const Eigen::Vector3d across = ExpMapAbout(mean_root_, root.tail<3>()) * across_;
+    return std::atan2(-across.z(), across.x());
+  };
+  const double yaw = place[kPlaceHeading] - heading(first);
+  const auto moved = [&](const Eigen::VectorXd& root) {
+    const Eigen::Vector3d there = YawMatrix(yaw) * Eigen::Vector3d(root[0] - first[0], 0, root[2] - first[2]);
+    return Eigen::Vector2d(place[kPlaceX] + there.x(), place[kPlaceZ] + there.z());
+  };
+  const Eigen::Vector2d end = moved(second);
+  const double duration = std::exp(model_->timing().offset[0] + model_->timing().by_latent.row(0).dot(w));
+  return {{end.x(), end.y(), yaw + heading(second), place[kPlaceTime] + duration}, moved(middle)};
 }
 
 PlaceState StepKinematics::Next(const Eigen::VectorXd& w, const KeyframePlace& place) const {

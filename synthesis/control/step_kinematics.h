@@ -62,6 +62,13 @@ class StepKinematics {
   /// Where the next step begins.
   PlaceState Next(const Eigen::VectorXd& w, const KeyframePlace& place) const;
 
+  /// Where the next step begins, and the root half way there (x, z), without derivatives.
+  struct Way {
+    KeyframePlace next;
+    Eigen::Vector2d middle_m;
+  };
+  Way WayOf(const Eigen::VectorXd& w, const KeyframePlace& place) const;
+
  private:
   struct Heading {
     double value = 0;
@@ -80,7 +87,7 @@ class StepKinematics {
   std::shared_ptr<const StepModel> model_;
   Eigen::Quaterniond mean_root_;
   Eigen::Vector3d across_;
-  StepModel::Map first_, second_;  // root at the key frames
+  StepModel::Map first_, middle_, second_;  // root at the key frames and half way
 };
 
 }  // namespace morphograph

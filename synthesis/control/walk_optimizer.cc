@@ -1,5 +1,7 @@
 #include "synthesis/control/walk_optimizer.h"
 
+#include <Eigen/QR>
+#include <ceres/manifold.h>
 #include <ceres/problem.h>
 #include <ceres/solver.h>
 
@@ -19,9 +21,11 @@ namespace {
 constexpr int kRounds = 4;
 constexpr int kFirstIterations = 8, kLaterIterations = 4;
 constexpr double kFree = std::numeric_limits<double>::infinity();
-// Part of its tolerance that a term may deviate by. Paths are followed by a body that sways: less tightly.
-constexpr double kTight = 0.1, kPath = 0.4;
-constexpr double kEnough = 0.5;          // part of the tolerances within which nothing more is done
+// Part of its tolerance that a term may deviate by; less tightly where it is held over many frames, by a body that sways.
+constexpr double kTight = 0.1, kMean = 0.4, kSternest = 0.15;
+// Parts of the tolerances within which nothing more is done; for means over a whole clip, which another round hardly changes, and the rest.
+constexpr double kEnoughOnTheWhole = 0.9, kEnough = 0.5;
+constexpr double kProgress = 0.95;        // of the largest residual, from round to round; more is none
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
 constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
@@ -30,6 +34,37 @@ Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
   const double c = std::cos(heading), s = std::sin(heading);
   return {c * local[0] + s * local[1], -s * local[0] + c * local[1], local[2]};
 }
+
+// A latent that moves in a subspace only: x + basis d.
+class Subspace : public ceres::Manifold {
+ public:
+  /// @param basis  (D x r), orthonormal columns.
+  explicit Subspace(Eigen::MatrixXd basis) : basis_(std::move(basis)) {}
+  int AmbientSize() const override { return static_cast<int>(basis_.rows()); }
+  int TangentSize() const override { return static_cast<int>(basis_.cols()); }
+  bool Plus(const double* x, const double* delta, double* sum) const override {
+    Vector(sum, basis_.rows()) = ConstVector(x, basis_.rows()) + basis_ * ConstVector(delta, basis_.cols());
+    return true;
+  }
+  bool PlusJacobian(const double*, double* jacobian) const override {
+    RowMajor(jacobian, basis_.rows(), basis_.cols()) = basis_;
+    return true;
+  }
+  bool Minus(const double* y, const double* x, double* delta) const override {
+    Vector(delta, basis_.cols()) = basis_.transpose() * (ConstVector(y, basis_.rows()) - ConstVector(x, basis_.rows()));
+    return true;
+  }
+  bool MinusJacobian(const double*, double* jacobian) const override {
+    RowMajor(jacobian, basis_.cols(), basis_.rows()) = basis_.transpose();
+    return true;
+  }
+
+ private:
+  using Vector = Eigen::Map<Eigen::VectorXd>;
+  using ConstVector = Eigen::Map<const Eigen::VectorXd>;
+  using RowMajor = Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>;
+  Eigen::MatrixXd basis_;
+};
 
 class Optimizer {
  public:
@@ -41,6 +76,7 @@ class Optimizer {
       if (k == 0) continue;
       innovations_.emplace_back(graph_, steps_[k - 1], steps_[k]);
       drawn_.push_back(innovations_.back().Value(latents_[k - 1], latents_[k]));
+      covariances_.push_back(innovations_.back().Covariance());
     }
     first_ = latents_[0];
     joins_.assign(steps_.size(), Eigen::Vector3d::Zero());
@@ -54,12 +90,13 @@ class Optimizer {
     for (int round = 0; round < kRounds; ++round) {
       Solve(round == 0 ? kFirstIterations : kLaterIterations);
       MakeClip();
-      const double worst = WorstMiss();
+      const double worst = WorstMiss(), before = least;
       if (worst < least) {
         least = worst;
         best = result_;
       }
-      if (least <= kEnough || worst > 4 * least) break;
+      const bool tightened = TightenMeans();
+      if (least <= 1 || (round > 0 && !tightened && worst > kProgress * before)) break;
       TakeOverPlaces();
     }
     return best;
@@ -95,10 +132,38 @@ class Optimizer {
     return {step, {false, phase}, std::clamp(static_cast<int>(std::lround(time * rate())), 0, frames_ - 1)};
   }
 
-  // Where a step's values are unknowns of the problem.
-  template <typename Residual>
-  void Add(ceres::Problem* problem, Residual* residual, size_t step) {
+  // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
+  void Add(ceres::Problem* problem, StepResidual* residual, size_t step) {
     problem->AddResidualBlock(residual, nullptr, latents_[step].data(), places_[step].data());
+    const Eigen::MatrixXd rows = residual->ByLatent(latents_[step], places_[step]);
+    for (Eigen::Index r = 0; r < rows.rows(); ++r) directions_[step].push_back(rows.row(r));
+  }
+
+  // Latents move in the directions that the terms and the way to the next key frame depend on, and in those that transitions carry over from
+  // the ways of the neighbours. In whitened space, where the prior is the same all around, there is next to no reason for others, and the
+  // equations become a tenth as large.
+  void RestrictLatents(ceres::Problem* problem) {
+    std::vector<Eigen::MatrixXd> ways;
+    for (size_t k = 0; k < steps_.size(); ++k) ways.push_back(kinematics_[k]->Next(latents_[k], places_[k]).by_latent);
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      auto& directions = directions_[k];
+      const auto add = [&](const Eigen::MatrixXd& more) {
+        for (Eigen::Index r = 0; r < more.rows(); ++r) directions.push_back(more.row(r));
+      };
+      add(ways[k]);
+      if (k > 0) add(ways[k - 1] * covariances_[k - 1].transpose());
+      if (k + 1 < steps_.size()) add(ways[k + 1] * covariances_[k]);
+      Eigen::MatrixXd rows(static_cast<Eigen::Index>(directions.size()), latents_[k].size());
+      for (size_t r = 0; r < directions.size(); ++r) rows.row(static_cast<Eigen::Index>(r)) = directions[r];
+      for (Eigen::Index r = 0; r < rows.rows(); ++r) {
+        if (const double norm = rows.row(r).norm(); norm > 1e-9) rows.row(r) /= norm;
+      }
+      Eigen::ColPivHouseholderQR<Eigen::MatrixXd> qr(rows.transpose());
+      qr.setThreshold(1e-4);
+      const Eigen::Index rank = qr.rank();
+      if (rank == 0 || rank == rows.cols()) continue;
+      problem->SetManifold(latents_[k].data(), new Subspace(qr.householderQ() * Eigen::MatrixXd::Identity(rows.cols(), rank)));
+    }
   }
 
   bool has_clip() const { return result_.clip.frame_count() > 0; }
@@ -147,7 +212,7 @@ class Optimizer {
       for (size_t k = 0; k < steps_.size(); ++k) {
         for (const double phase : {0.0, 0.5}) {
           if (places_[k][kPlaceTime] + phase * (places_[k + 1][kPlaceTime] - places_[k][kPlaceTime]) > end) continue;
-          Add(problem, new PathResidual(kinematics_[k], {false, phase}, *problem_.guide.path, along_m_[k] - 0.5, along_m_[k + 1] + 0.5, kPath * control.path->tolerance_m), k);
+          Add(problem, new PathResidual(kinematics_[k], {false, phase}, *problem_.guide.path, along_m_[k] - 0.5, along_m_[k + 1] + 0.5, mean_part_ * control.path->tolerance_m), k);
         }
       }
     }
@@ -166,7 +231,7 @@ class Optimizer {
     if (control.speed) {
       for (size_t k = 0; k < steps_.size() && places_[k + 1][kPlaceTime] <= end + 1e-9; ++k) {
         const double middle = (places_[k][kPlaceTime] + places_[k + 1][kPlaceTime]) / 2;
-        Add(problem, new SpeedResidual(kinematics_[k], SpeedAt(control.speed->profile, middle), 0.5 * control.speed->tolerance_m_s), k);
+        Add(problem, new SpeedResidual(kinematics_[k], SpeedAt(control.speed->profile, middle), mean_part_ * control.speed->tolerance_m_s), k);
       }
     }
   }
@@ -237,7 +302,7 @@ class Optimizer {
     const int count = std::max(1, static_cast<int>(std::ceil((term.to_s - term.from_s) / spacing)));
     for (int i = 0; i <= count; ++i) {
       const Place at = PlaceOfTime(term.from_s + (term.to_s - term.from_s) * i / count);
-      Add(problem, new LookAtResidual(kinematics_[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, kPath * term.tolerance_rad), at.step);
+      Add(problem, new LookAtResidual(kinematics_[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, mean_part_ * term.tolerance_rad), at.step);
     }
   }
 
@@ -253,10 +318,12 @@ class Optimizer {
 
   void Solve(int iterations) {
     offsets_.clear();
+    directions_.assign(steps_.size(), {});
     ceres::Problem problem;
     AddPrior(&problem);
     AddPathAndGoal(&problem);
     AddConstraints(&problem);
+    RestrictLatents(&problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = iterations;
@@ -293,13 +360,22 @@ class Optimizer {
     result_.outcomes = MeasureControls(problem_, result_.keyframe_times_s, {result_.clip, result_.evaluation.contacts});
   }
 
-  // The largest residual, in tolerances.
+  // The largest residual, in parts of what is enough.
   double WorstMiss() const {
     double worst = 0;
     for (const ControlOutcome& outcome : result_.outcomes) {
-      worst = std::max(worst, outcome.tolerance > 0 ? outcome.residual / outcome.tolerance : outcome.residual > 0 ? 1 + 100 * outcome.residual : 0.0);
+      const double enough = outcome.tolerance * (outcome.is_mean ? kEnoughOnTheWhole : kEnough);
+      worst = std::max(worst, enough > 0 ? outcome.residual / enough : outcome.residual > 0 ? 2 + 100 * outcome.residual : 0.0);
     }
     return worst;
+  }
+
+  // What holds over many frames is asked for more sternly where it has not come out. True where that is new.
+  bool TightenMeans() {
+    const bool missed = std::any_of(result_.outcomes.begin(), result_.outcomes.end(), [](const ControlOutcome& outcome) { return outcome.is_mean && !outcome.met; });
+    if (!missed || mean_part_ < kSternest) return false;
+    mean_part_ /= 2;
+    return true;
   }
 
   // Puts the places where the clip has them, and keeps what the joins added.
@@ -338,13 +414,16 @@ class Optimizer {
   std::vector<std::shared_ptr<const StepKinematics>> kinematics_;
   std::vector<StepInnovation> innovations_;
   std::vector<Eigen::VectorXd> drawn_;  // innovations
+  std::vector<Eigen::MatrixXd> covariances_;  // of a step's latent and the one's before
   Eigen::VectorXd first_;               // drawn latent of the first step
   std::vector<Eigen::Vector3d> joins_;  // what a clip's joins add to the steps, see NextPlaceResidual
   std::vector<double> along_m_;
   int frames_;
+  double mean_part_ = kMean;  // of the tolerance, that terms over many frames may deviate by
   std::vector<Eigen::VectorXd> latents_;
   std::vector<KeyframePlace> places_;
   std::list<Eigen::Vector3d> offsets_;  // of the terms of the present solution
+  std::vector<std::vector<Eigen::RowVectorXd>> directions_;  // of each step's latent, that the terms depend on
   SteeredWalk result_;
 };
 

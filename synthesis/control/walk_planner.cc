@@ -1,9 +1,11 @@
 #include "synthesis/control/walk_planner.h"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "synthesis/control/floor_area.h"
+#include "synthesis/control/walk_prior.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
 #include "synthesis/walk_rules.h"
@@ -11,14 +13,16 @@
 namespace morphograph {
 namespace {
 
-constexpr size_t kBeamWidth = 8;
+constexpr int kBeamWidth = 8;
 constexpr int kFirstDraws = 16;
-constexpr int kDraws = 4;        // successors of each walk in the beam
+constexpr int kDraws = 4;        // successors of each walk in the beam; half of them are bent to the path, where there is one
 constexpr int kEndDraws = 2;     // of them that stop
 constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its last cross-fade and for steps that grow shorter
 
 // Deviations of what the search looks at, about a third of what the optimiser can still move without leaving what is likely.
 constexpr double kHeading = 0.3, kGoal_m = 0.15, kGoalHeading = 0.15, kSpeed_m_s = 0.1, kProgress_m = 0.25, kPlace_m = 0.1, kEndTime_s = 0.1;
+constexpr double kStop_m = 0.05;  // of where a walk stops: steps into a standstill vary little, and one too many or too few is half a metre
+constexpr double kAhead_m = 0.2;  // where the path leads there is where the body should turn to
 constexpr double kClearance_m = 0.3;  // of the root from areas kept out of: feet and sway need room
 constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
 
@@ -40,12 +44,12 @@ struct Node {
 
 class Search {
  public:
-  Search(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng)
-      : graph_(graph), guide_(guide), kinematics_(*kinematics), rng_(rng) {}
+  Search(const MotionGraph& graph, const WalkGuide& guide, int effort, KinematicsCache* kinematics, std::mt19937_64& rng)
+      : graph_(graph), guide_(guide), effort_(effort), kinematics_(*kinematics), rng_(rng) {}
 
   WalkPlan Run() {
     std::vector<int> beam;
-    for (int i = 0; i < kFirstDraws; ++i) {
+    for (int i = 0; i < effort_ * kFirstDraws; ++i) {
       beam.push_back(AddFirst());
       Finish(beam.back());
     }
@@ -79,7 +83,7 @@ class Search {
     }
     node.place = {guide_.start.position_m.x(), guide_.start.position_m.y(), guide_.start.heading_rad, begins};
     if (guide_.free_heading) {
-      const KeyframePlace end = kinematics_.Of(node.step)->Next(node.step.whitened, node.place).value;
+      const KeyframePlace end = kinematics_.Of(node.step)->WayOf(node.step.whitened, node.place).next;
       const Eigen::Vector2d moved = end.head<2>() - node.place.head<2>();
       const Eigen::Vector2d wanted = guide_.path->At(std::min(guide_.path->length_m(), moved.norm())) - node.place.head<2>();
       if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += AngleBetween(HeadingOfDirection(wanted), HeadingOfDirection(moved));
@@ -87,12 +91,30 @@ class Search {
     return Add(std::move(node));
   }
 
+  // Bends a drawn step towards the path: the most likely change of its latent, were its prior N(0, I) about what was drawn and the path known
+  // to within the search's deviations. Turns are rare among draws, and a path that asks for one should not have to wait for it.
+  void BendToPath(Node* node) {
+    const PlaceState next = kinematics_.Of(node->step)->Next(node->step.whitened, node->place);
+    const FloorPath::Nearest at = guide_.path->NearestTo(next.value.head<2>(), node->along - 0.2, node->along + 2);
+    const Eigen::Vector2d direction = guide_.path->Direction(at.along_m);
+    const Eigen::RowVector2d left(direction.y(), -direction.x());
+    Eigen::MatrixXd by_latent(2, next.by_latent.cols());
+    by_latent << left * next.by_latent.topRows<2>() / guide_.path_deviation_m, next.by_latent.row(kPlaceHeading) / kHeading;
+    const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
+    const Eigen::Vector2d miss(left.dot(next.value.head<2>() - at.point_m) / guide_.path_deviation_m,
+                               AngleBetween(next.value[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
+    const Eigen::Matrix2d gram = by_latent * by_latent.transpose() + Eigen::Matrix2d::Identity();
+    const Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
+    node->step = WithLatent(graph_, &nodes_[node->parent].step, node->step, node->step.whitened + change);
+    node->cost += change.squaredNorm();
+  }
+
   // Sets the step down, counts what it costs. Returns the walk's number.
   int Add(Node node) {
     const auto kinematics = kinematics_.Of(node.step);
-    node.next = kinematics->Next(node.step.whitened, node.place).value;
-    const Eigen::Vector2d begin = node.place.head<2>(), end = node.next.head<2>();
-    const Eigen::Vector2d middle = kinematics->Root({false, 0.5}, node.step.whitened, node.place).value.head<2>();
+    const StepKinematics::Way way = kinematics->WayOf(node.step.whitened, node.place);
+    node.next = way.next;
+    const Eigen::Vector2d begin = node.place.head<2>(), middle = way.middle_m, end = node.next.head<2>();
     const double duration = node.next[kPlaceTime] - node.place[kPlaceTime];
     const Eigen::Vector2d velocity = (end - begin) / duration;
     const double before = node.along;
@@ -101,8 +123,7 @@ class Search {
       const FloorPath::Nearest half = guide_.path->NearestTo(middle, before - 0.2, before + 2);
       node.along = at.along_m;
       node.cost += (Square(at.distance_m) + Square(half.distance_m)) / Square(guide_.path_deviation_m);
-      // Where the path leads next is where the body should turn to.
-      const double ahead = std::min(guide_.path->length_m(), at.along_m + 0.2);
+      const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
       node.cost += Square(AngleBetween(node.next[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
       const bool at_end = at.along_m >= guide_.path->length_m() - 1e-6;
       if (!at_end && node.along - before < 0.3 * (end - begin).norm()) node.cost += 4;
@@ -149,7 +170,7 @@ class Search {
     Node& node = nodes_[walk];
     const double t = stops() ? 1 : std::clamp((end_s - node.place[kPlaceTime]) / (node.next[kPlaceTime] - node.place[kPlaceTime]), 0.0, 1.0);
     const Eigen::Vector2d there = node.place.head<2>() + t * (node.next.head<2>() - node.place.head<2>());
-    if (guide_.goal_m) node.cost += Square((there - *guide_.goal_m).norm() / kGoal_m);
+    if (guide_.goal_m) node.cost += Square((there - *guide_.goal_m).norm() / (stops() ? kStop_m : kGoal_m));
     if (guide_.goal_heading_rad) {
       const double heading = node.place[kPlaceHeading] + t * AngleBetween(node.next[kPlaceHeading], node.place[kPlaceHeading]);
       node.cost += Square(AngleBetween(heading, *guide_.goal_heading_rad) / kGoalHeading);
@@ -201,7 +222,7 @@ class Search {
     for (int i = 0; i < kDraws; ++i) {
       const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
       if (edge < 0) return;
-      const int grown = AddAfter(walk, edge);
+      const int grown = AddAfter(walk, edge, guide_.path && i >= kDraws / 2);
       if (!Finish(grown)) next->push_back(grown);
     }
   }
@@ -212,7 +233,7 @@ class Search {
     return guide_.path->length_m() - node.along < kStopSearch_m;
   }
 
-  int AddAfter(int walk, int edge) {
+  int AddAfter(int walk, int edge, bool bend = false) {
     Node node;
     node.parent = walk;
     node.step = DrawNextStep(graph_, nodes_[walk].step, edge, rng_);
@@ -220,6 +241,7 @@ class Search {
     node.along = nodes_[walk].along;
     node.cost = nodes_[walk].cost;
     node.steps = nodes_[walk].steps + 1;
+    if (bend) BendToPath(&node);
     return Add(std::move(node));
   }
 
@@ -231,7 +253,8 @@ class Search {
     std::sort(beam->begin(), beam->end(), better);
     beam->erase(std::remove_if(beam->begin(), beam->end(), [&](int walk) { return std::find(finished_.begin(), finished_.end(), walk) != finished_.end(); }),
                 beam->end());
-    if (beam->size() > kBeamWidth) beam->resize(kBeamWidth);
+    const auto width = static_cast<size_t>(effort_ * kBeamWidth);
+    if (beam->size() > width) beam->resize(width);
   }
 
   WalkPlan Plan(int walk) {
@@ -262,6 +285,7 @@ class Search {
 
   const MotionGraph& graph_;
   const WalkGuide& guide_;
+  int effort_;
   KinematicsCache& kinematics_;
   std::mt19937_64& rng_;
   std::vector<Node> nodes_;
@@ -290,8 +314,8 @@ std::shared_ptr<const StepKinematics> KinematicsCache::Of(const WalkStep& step) 
   return made_.back().second;
 }
 
-WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng) {
-  return Search(graph, guide, kinematics, rng).Run();
+WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, int effort, KinematicsCache* kinematics, std::mt19937_64& rng) {
+  return Search(graph, guide, effort, kinematics, rng).Run();
 }
 
 }  // namespace morphograph

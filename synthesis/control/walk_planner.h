@@ -63,8 +63,9 @@ class KinematicsCache {
 
 /// Finds a walk near to what is asked: a beam search over the graph whose successors are drawn from the transitions, so that every walk it
 /// finds is one that might have been drawn (METHODS section 4). What is still missing is the optimiser's work.
+/// @param effort  1 or more: how many times the usual number of walks are followed.
 /// @throws UnsatisfiableRequest where no walk begins, goes on or ends as asked.
-WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, KinematicsCache* kinematics, std::mt19937_64& rng);
+WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, int effort, KinematicsCache* kinematics, std::mt19937_64& rng);
 
 /// Speed of a profile at a time.
 double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s);

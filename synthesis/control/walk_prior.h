@@ -20,6 +20,8 @@ class StepInnovation {
   /// (dimension x D of the previous), (dimension x D of the next).
   Eigen::MatrixXd ByPrevious(const Eigen::VectorXd& previous) const;
   const Eigen::MatrixXd& ByNext() const { return by_next_; }
+  /// Covariance of the next and the previous latent about the walk's manner, as far as transitions are linear: (dimension x D of the previous).
+  Eigen::MatrixXd Covariance() const { return next_scale_.asDiagonal() * transition_.linear.cast<double>() * previous_scale_.asDiagonal(); }
   /// ln p(next latent | previous latent), the edge's and the component's chances included.
   double LogLikelihood(const Eigen::VectorXd& previous, const Eigen::VectorXd& next) const;
 

@@ -81,22 +81,22 @@ class Requests {
     } else if (kind == "polyline") {
       request.control.path = {.points_m = {{0, 0}, {2, 0}, {4, 3}}};
     } else if (kind == "goal") {
-      request.control.goal = {.position_m = Direction(0.8) * Uniform(3, 6, rng_)};
+      request.control.goal = {.position_m = Direction(0.8) * Uniform(3, 6, rng_), .tolerance_m = 0.02, .heading_tolerance_rad = 3 * M_PI / 180};
       request.start_given.heading = true;
       request.control.goal->heading_rad = Uniform(-1, 1, rng_);
     } else if (kind == "arrival") {
       const double length = Uniform(5, 9, rng_);
-      request.control.goal = {.position_m = {0, length}, .time_s = length / Uniform(slow, fast, rng_)};
+      request.control.goal = {.position_m = {0, length}, .tolerance_m = 0.02, .time_s = length / Uniform(slow, fast, rng_)};
     } else if (kind == "speed") {
       request.control.path = {.points_m = {{0, 0}, {0, 8}}};
       request.control.speed = {.profile = {{0, Uniform(slow, fast, rng_)}}};
     } else if (kind == "heading") {
       request.duration_s = 6;
-      request.control.constraints.push_back(morphograph::HeadingTerm{.at = {.time_s = 4}, .value_rad = Uniform(-1, 1, rng_)});
+      request.control.constraints.push_back(morphograph::HeadingTerm{.at = {.time_s = 4}, .value_rad = Uniform(-1, 1, rng_), .tolerance_rad = 3 * M_PI / 180});
     } else if (kind == "footstep") {
       request.duration_s = 5;
       const SynthesisResult other = Other(request);
-      morphograph::FootstepTerm term{.left = i % 2 == 0, .index = 3};
+      morphograph::FootstepTerm term{.left = i % 2 == 0, .index = 3, .tolerance_m = 0.02};
       int index = 0;
       for (const auto& foot : other.report.contacts) {
         if ((foot.interval.foot == morphograph::Foot::kLeft) == term.left && index++ == term.index) term.value_m = foot.position_m + Direction(M_PI) * Uniform(0, 0.1, rng_);
@@ -110,9 +110,9 @@ class Requests {
       const Eigen::Vector3d there =
           ForwardKinematics(other.clip, static_cast<int>(std::lround(time * 30))).positions.col(graph_.skeleton().roles()[role]);
       const Eigen::Vector3d moved = Eigen::Vector3d(Uniform(-1, 1, rng_), Uniform(-1, 1, rng_), Uniform(-1, 1, rng_)).normalized() * Uniform(0, 0.1, rng_);
-      request.control.constraints.push_back(morphograph::PositionTerm{.joint = i % 2 == 0 ? "left_wrist" : "right_wrist", .at = {.time_s = time}, .value_m = there + moved});
+      request.control.constraints.push_back(morphograph::PositionTerm{.joint = i % 2 == 0 ? "left_wrist" : "right_wrist", .at = {.time_s = time}, .value_m = there + moved, .tolerance_m = 0.015});
     } else if (kind == "keep_out") {
-      request.control.goal = {.position_m = {0, 6}};
+      request.control.goal = {.position_m = {0, 6}, .tolerance_m = 0.02};
       request.control.constraints.push_back(morphograph::KeepOutTerm{.center_m = {Uniform(-0.6, 0.6, rng_), Uniform(2.5, 3.5, rng_)}, .radius_m = 0.5});
     } else if (kind == "look_at") {
       request.duration_s = 5;
