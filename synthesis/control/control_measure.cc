@@ -21,12 +21,14 @@ class Measurer {
     const int last = measured_.clip.frame_count() - 1;
     if (control.path) Add("/path", PathMiss(), control.path->tolerance_m, "m", true);
     if (control.goal) {
-      Add("/goal", (measured_.RootAt(last) - control.goal->position_m).norm(), control.goal->tolerance_m, "m");
+      Add("/goal", (measured_.RootAt(last) - control.goal->position_m).norm(), control.goal->tolerance_m, "m", false, List(measured_.RootAt(last)));
       if (control.goal->heading_rad)
-        Add("/goal/heading", AngleBetween(measured_.HeadingAt(last), *control.goal->heading_rad), control.goal->heading_tolerance_rad, "rad");
-      if (control.goal->time_s) Add("/goal/time", std::abs(last / measured_.clip.frame_rate_hz() - *control.goal->time_s), kTimeTolerance_s, "s");
+        Add("/goal/heading", AngleBetween(measured_.HeadingAt(last), *control.goal->heading_rad), control.goal->heading_tolerance_rad, "rad", false,
+            {measured_.HeadingAt(last)});
+      if (control.goal->time_s) Add("/goal/time", std::abs(last / measured_.clip.frame_rate_hz() - *control.goal->time_s), kTimeTolerance_s, "s", false,
+            {last / measured_.clip.frame_rate_hz()});
     } else if (control.path) {
-      Add("/path/end", (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m");
+      Add("/path/end", (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m", false, List(measured_.RootAt(last)));
     }
     if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s", true);
     for (size_t i = 0; i < control.constraints.size(); ++i) {
@@ -39,11 +41,15 @@ class Measurer {
  private:
   static constexpr double kTimeTolerance_s = 0.1;
 
-  void Add(std::string pointer, double residual, double tolerance, const char* unit, bool is_mean = false) {
-    outcomes_.push_back({std::move(pointer), index_, residual <= tolerance, residual, tolerance, unit, is_mean});
+  using Values = std::vector<double>;
+  static Values List(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
+  static Values List(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+  void Add(std::string pointer, double residual, double tolerance, const char* unit, bool is_mean = false, Values reached = {}) {
+    outcomes_.push_back({std::move(pointer), index_, residual <= tolerance, residual, tolerance, unit, is_mean, std::move(reached)});
   }
-  void AddConstraint(double residual, double tolerance, const char* unit, bool is_mean = false) {
-    Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit, is_mean);
+  void AddConstraint(double residual, double tolerance, const char* unit, bool is_mean = false, Values reached = {}) {
+    Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit, is_mean, std::move(reached));
   }
 
   double PathMiss() const {
@@ -73,12 +79,12 @@ class Measurer {
     const Eigen::Vector3d there = PoseAt(FrameOf(term.at, times_, measured_)).positions.col(problem_.joints[static_cast<size_t>(*index_)][0].joint);
     Eigen::Vector3d miss = there - term.value_m;
     for (int axis = 0; axis < 3; ++axis) miss[axis] *= term.use[axis];
-    AddConstraint(miss.norm(), term.tolerance_m, "m");
+    AddConstraint(miss.norm(), term.tolerance_m, "m", false, List(there));
   }
 
   void Of(const OrientationTerm& term) {
     const Eigen::Quaterniond there = PoseAt(FrameOf(term.at, times_, measured_)).rotations[static_cast<size_t>(problem_.joints[static_cast<size_t>(*index_)][0].joint)];
-    AddConstraint(there.angularDistance(term.value), term.tolerance_rad, "rad");
+    AddConstraint(there.angularDistance(term.value), term.tolerance_rad, "rad", false, {there.w(), there.x(), there.y(), there.z()});
   }
 
   void Of(const TrajectoryTerm& term) {
@@ -91,12 +97,14 @@ class Measurer {
   }
 
   void Of(const HeadingTerm& term) {
-    AddConstraint(AngleBetween(measured_.HeadingAt(FrameOf(term.at, times_, measured_)), term.value_rad), term.tolerance_rad, "rad");
+    const double there = measured_.HeadingAt(FrameOf(term.at, times_, measured_));
+    AddConstraint(AngleBetween(there, term.value_rad), term.tolerance_rad, "rad", false, {there});
   }
 
   void Of(const FootstepTerm& term) {
     const PlantedFoot* foot = FootstepOf(term, measured_.contacts);
-    AddConstraint(foot ? (foot->position_m - term.value_m).norm() : std::numeric_limits<double>::infinity(), term.tolerance_m, "m");
+    if (!foot) return AddConstraint(std::numeric_limits<double>::infinity(), term.tolerance_m, "m");
+    AddConstraint((foot->position_m - term.value_m).norm(), term.tolerance_m, "m", false, List(foot->position_m));
   }
 
   void Of(const KeepOutTerm& term) {

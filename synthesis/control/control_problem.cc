@@ -160,6 +160,25 @@ class Maker {
       guide.start.heading_rad = guide.path->Heading(0);
     }
     if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = 5;
+    CheckAreas();
+  }
+
+  // Areas that hold the start, the goal or a part of the path cannot be kept out of.
+  void CheckAreas() const {
+    const auto& constraints = problem_.request.control.constraints;
+    for (size_t i = 0; i < constraints.size(); ++i) {
+      const auto* area = std::get_if<KeepOutTerm>(&constraints[i]);
+      if (!area) continue;
+      const auto check = [&](const Eigen::Vector2d& point, const std::string& what) {
+        if (const double depth = DepthInside(*area, point); depth > 0)
+          throw UnsatisfiableRequest("/constraints/" + std::to_string(i), what + std::to_string(depth) + " m inside");
+      };
+      check(problem_.guide.start.position_m, "the start lies ");
+      if (problem_.goal_m) check(*problem_.goal_m, "the goal lies ");
+      if (problem_.request.control.path) {
+        for (double along = 0; along < problem_.guide.path->length_m(); along += 0.05) check(problem_.guide.path->At(along), "the path leads ");
+      }
+    }
   }
 
   ControlProblem& problem_;

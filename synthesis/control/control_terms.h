@@ -132,6 +132,7 @@ struct ControlOutcome {
   double tolerance = 0;
   std::string unit = {};       // "m", "rad", "m/s" or "s", of both
   bool is_mean = false;        // of many frames, or a quantile over them
+  std::vector<double> reached = {};  // what came nearest, in the form of the value that was asked for (degrees as radians); empty for areas and lines
 };
 
 }  // namespace morphograph

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <type_traits>
 
 #include "synthesis/unsatisfiable_request.h"
 
@@ -11,16 +12,64 @@ namespace {
 
 constexpr int kAttempts = 4;
 
-// For people: "0.123 m", "12.3 degrees".
+// For people: "0.1234 m", "12.3 degrees".
 std::string Quantity(double value, const std::string& unit) {
   char text[64];
-  if (!std::isfinite(value)) return "never";
   if (unit == "rad") {
     std::snprintf(text, sizeof text, "%.1f degrees", value * 180 / std::numbers::pi);
   } else {
-    std::snprintf(text, sizeof text, "%.3f %s", value, unit.c_str());
+    std::snprintf(text, sizeof text, "%.4f %s", value, unit.c_str());
   }
   return text;
+}
+
+std::string Reached(const ControlOutcome& outcome) {
+  if (outcome.reached.empty()) return "";
+  if (outcome.unit == "rad" && outcome.reached.size() == 1) return ", at " + Quantity(outcome.reached[0], "rad");
+  std::string text;
+  for (const double value : outcome.reached) {
+    char number[32];
+    std::snprintf(number, sizeof number, "%.3f", value);
+    text += (text.empty() ? ", at [" : ", ") + std::string(number);
+  }
+  return text + "]";
+}
+
+std::string Why(const ControlOutcome& outcome) {
+  if (!std::isfinite(outcome.residual)) return "no walk found puts the foot down so often";
+  return "the nearest walk found misses it by " + Quantity(outcome.residual, outcome.unit) + Reached(outcome) + "; its tolerance is " +
+         Quantity(outcome.tolerance, outcome.unit);
+}
+
+// Moments past a clip's end cannot be met, and must not be taken for its last frame.
+void CheckMoments(const ControlProblem& problem, const WalkPlan& plan) {
+  const double end_s = (plan.frames - 0.5) / problem.frame_rate_hz;
+  const int last = static_cast<int>(plan.steps.size());
+  std::vector<UnmetField> unmet;
+  const auto time = [&](const std::string& pointer, double value) {
+    if (value > end_s) unmet.push_back({pointer, "the clip ends at " + Quantity((plan.frames - 1) / problem.frame_rate_hz, "s")});
+  };
+  const auto moment = [&](const std::string& pointer, const ControlMoment& at) {
+    if (at.time_s) time(pointer + "/time", *at.time_s);
+    if (at.keyframe && (*at.keyframe < 0 || *at.keyframe > last)) unmet.push_back({pointer + "/keyframe", "the clip has key frames 0 to " + std::to_string(last)});
+  };
+  const auto& constraints = problem.request.control.constraints;
+  for (size_t i = 0; i < constraints.size(); ++i) {
+    const std::string pointer = "/constraints/" + std::to_string(i);
+    std::visit(
+        [&](const auto& term) {
+          using Term = std::decay_t<decltype(term)>;
+          if constexpr (std::is_same_v<Term, LookAtTerm>) {
+            time(pointer + "/to", term.to_s);
+          } else if constexpr (std::is_same_v<Term, TrajectoryTerm>) {
+            if (!term.times_s.empty()) time(pointer, term.times_s.back());
+          } else if constexpr (!std::is_same_v<Term, FootstepTerm> && !std::is_same_v<Term, KeepOutTerm>) {
+            moment(pointer, term.at);
+          }
+        },
+        constraints[i]);
+  }
+  if (!unmet.empty()) throw UnsatisfiableRequest(std::move(unmet));
 }
 
 double Misses(const SteeredWalk& walk) {
@@ -39,6 +88,7 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   SteeredWalk best;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WalkPlan plan = PlanWalk(graph, problem.guide, attempt + 1, &kinematics, rng);
+    CheckMoments(problem, plan);
     SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics);
     if (walk.all_met()) return walk;
     if (attempt == 0 || Misses(walk) < Misses(best)) best = std::move(walk);
@@ -46,8 +96,7 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   std::vector<UnmetField> unmet;
   for (const ControlOutcome& outcome : best.outcomes) {
     if (outcome.met) continue;
-    unmet.push_back({outcome.pointer, "the nearest walk found misses it by " + Quantity(outcome.residual, outcome.unit) + "; its tolerance is " +
-                                          Quantity(outcome.tolerance, outcome.unit)});
+    unmet.push_back({outcome.pointer, Why(outcome)});
   }
   throw UnsatisfiableRequest(std::move(unmet));
 }

@@ -26,6 +26,7 @@ constexpr double kTight = 0.1, kMean = 0.4, kSternest = 0.15;
 // Parts of the tolerances within which nothing more is done; for means over a whole clip, which another round hardly changes, and the rest.
 constexpr double kEnoughOnTheWhole = 0.9, kEnough = 0.5;
 constexpr double kProgress = 0.95;        // of the largest residual, from round to round; more is none
+constexpr double kFarthest = 1.15;        // norm of a latent, in the largest of the training
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
 constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
@@ -91,7 +92,7 @@ class Optimizer {
       Solve(round == 0 ? kFirstIterations : kLaterIterations);
       MakeClip();
       const double worst = WorstMiss(), before = least;
-      if (worst < least) {
+      if (round == 0 || worst < least) {
         least = worst;
         best = result_;
       }
@@ -333,6 +334,22 @@ class Optimizer {
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
+    KeepBelievable();
+  }
+
+  // Steps that were moved farther out than anything captured go back towards the plan: a walk that would need them cannot be had.
+  void KeepBelievable() {
+    for (size_t k = 0; k < steps_.size(); ++k) {
+      const double radius = kFarthest * graph_.primitive(steps_[k].primitive).latent_radius;
+      const Eigen::VectorXd& planned = steps_[k].whitened;
+      if (!(radius > 0) || latents_[k].norm() <= std::max(radius, planned.norm())) continue;
+      // The point between plan and solution where the norm is the radius (the plan's own, where that is farther out).
+      const Eigen::VectorXd moved = latents_[k] - planned;
+      const double limit = std::max(radius, planned.norm());
+      const double a = moved.squaredNorm(), b = planned.dot(moved), c = planned.squaredNorm() - limit * limit;
+      const double part = std::clamp((-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, 0.0, 1.0);
+      latents_[k] = planned + part * moved;
+    }
   }
 
   void MakeClip() {

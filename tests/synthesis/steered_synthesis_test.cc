@@ -1,0 +1,220 @@
+// Walks of the default model that are asked to do something; what they did is measured on the clip, apart from the synthesiser's own report.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "datasets/forward_kinematics.h"
+#include "datasets/quantile.h"
+#include "graph/model_io.h"
+#include "synthesis/control/floor_area.h"
+#include "synthesis/control/floor_path.h"
+#include "synthesis/motion_synthesizer.h"
+
+namespace morphograph {
+namespace {
+
+const MotionGraph& Model() {
+  static const auto model = LoadModel(std::filesystem::path(MORPHOGRAPH_SOURCE_DIR) / "datasets/models/walk.mgm");
+  return *model;
+}
+
+SynthesisRequest Request(std::uint64_t seed) {
+  SynthesisRequest request;
+  request.seed = seed;
+  return request;
+}
+
+Eigen::Vector2d Root(const MotionClip& clip, int frame) { return {clip.root_positions()(0, frame), clip.root_positions()(2, frame)}; }
+double Degrees(double radians) { return radians * 180 / M_PI; }
+
+void ExpectAllMet(const SynthesisResult& result, size_t count) {
+  EXPECT_EQ(result.report.constraints.size(), count);
+  for (const ControlOutcome& outcome : result.report.constraints) {
+    EXPECT_TRUE(outcome.met) << outcome.pointer;
+    EXPECT_LE(outcome.residual, outcome.tolerance) << outcome.pointer;
+  }
+}
+
+// The pointers of what could not be met; empty where all was.
+std::vector<std::string> Refused(const SynthesisRequest& request) {
+  try {
+    Synthesize(Model(), request);
+  } catch (const UnsatisfiableRequest& unmet) {
+    std::vector<std::string> pointers;
+    for (const UnmetField& field : unmet.unmet()) pointers.push_back(field.pointer);
+    return pointers;
+  }
+  return {};
+}
+
+TEST(SteeredSynthesis, FollowsACurveToItsEnd) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SynthesisRequest request = Request(seed);
+    request.control.path = PathTerm{.points_m = {{0, 0}, {0, 2}, {1.5, 4}, {1.5, 6}}, .smooth = true};
+    const SynthesisResult result = Synthesize(Model(), request);
+    ExpectAllMet(result, 2);
+    const FloorPath path(request.control.path->points_m, true);
+    std::vector<double> distances;
+    for (int f = 0; f < result.clip.frame_count(); ++f) distances.push_back(path.NearestTo(Root(result.clip, f)).distance_m);
+    EXPECT_LE(Quantile(distances, 0.95), 0.1);
+    EXPECT_LT((Root(result.clip, 0) - path.At(0)).norm(), 1e-9);
+    EXPECT_LE((Root(result.clip, result.clip.frame_count() - 1) - path.At(path.length_m())).norm(), 0.1);
+  }
+}
+
+TEST(SteeredSynthesis, GoesFromStandToStandAtAGoal) {
+  SynthesisRequest request = Request(4);
+  request.start_from = request.end = WalkBoundary::kStanding;
+  request.control.goal = GoalTerm{.position_m = {1, 4}, .heading_rad = 0.6, .tolerance_m = 0.02, .heading_tolerance_rad = 0.05};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 2);
+  const int last = result.clip.frame_count() - 1;
+  EXPECT_LT((Root(result.clip, last) - Eigen::Vector2d(1, 4)).norm(), 0.02);
+  EXPECT_LT(std::abs(HeadingRad(result.clip, last) - 0.6), 0.05);
+  EXPECT_LT((Root(result.clip, last) - Root(result.clip, last - 1)).norm() * 30, 0.1) << "it stands";
+}
+
+// The clip request of CONTRACT.md: duration, start, goal and path at once.
+TEST(SteeredSynthesis, ArrivesWhenAsked) {
+  SynthesisRequest request = Request(42);
+  request.duration_s = 8;
+  request.start.heading_rad = M_PI / 2;
+  request.start_given = {true, true};
+  request.control.goal = GoalTerm{.position_m = {4, 3}, .heading_rad = 0};
+  request.control.path = PathTerm{.points_m = {{0, 0}, {2, 0}, {4, 3}}};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 3);
+  EXPECT_EQ(result.clip.frame_count(), 241);
+  EXPECT_NEAR(HeadingRad(result.clip, 0), M_PI / 2, 1e-6);
+}
+
+TEST(SteeredSynthesis, PutsAHandAndAFootWhereAsked) {
+  SynthesisRequest request = Request(7);
+  request.duration_s = 5;
+  const SynthesisResult other = Synthesize(Model(), request);
+  const int frame = 72, wrist = Model().skeleton().roles()[JointRole::kRightWrist];
+  const Eigen::Vector3d hand = ForwardKinematics(other.clip, frame).positions.col(wrist) + Eigen::Vector3d(0.05, 0.03, 0.04);
+  FootstepTerm step{.left = false, .index = 3, .value_m = Eigen::Vector2d::Zero(), .tolerance_m = 0.02};
+  int index = 0;
+  for (const PlantedFoot& foot : other.report.contacts) {
+    if (foot.interval.foot == Foot::kRight && index++ == 3) step.value_m = foot.position_m + Eigen::Vector2d(0.04, 0.05);
+  }
+  request.seed = 8;
+  request.control.constraints = {PositionTerm{.joint = "right_wrist", .at = {.time_s = frame / 30.0}, .value_m = hand, .tolerance_m = 0.015}, step};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 2);
+  EXPECT_LE((ForwardKinematics(result.clip, frame).positions.col(wrist) - hand).norm(), 0.015);
+  index = 0;
+  for (const PlantedFoot& foot : result.report.contacts) {
+    if (foot.interval.foot == Foot::kRight && index++ == 3) {
+      EXPECT_LE((foot.position_m - step.value_m).norm(), 0.02);
+    }
+  }
+  EXPECT_GT(index, 3);
+}
+
+TEST(SteeredSynthesis, KeepsOutOfAreas) {
+  SynthesisRequest request = Request(3);
+  KeepOutTerm area;
+  area.center_m = {0.1, 3};
+  area.radius_m = 0.5;
+  request.control.goal = GoalTerm{.position_m = {0, 6}};
+  request.control.constraints = {area};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 2);
+  const RoleMap& roles = Model().skeleton().roles();
+  for (const Eigen::Matrix3Xd& joints : JointPositions(result.clip)) {
+    for (const JointRole role : {JointRole::kHips, JointRole::kLeftAnkle, JointRole::kLeftToe, JointRole::kRightAnkle, JointRole::kRightToe}) {
+      const Eigen::Vector3d point = joints.col(roles[role]);
+      EXPECT_LE(DepthInside(area, {point.x(), point.z()}), 0);
+    }
+  }
+}
+
+TEST(SteeredSynthesis, TurnsAndLooksWhenAsked) {
+  SynthesisRequest request = Request(5);
+  request.duration_s = 5;
+  request.control.constraints = {HeadingTerm{.at = {.time_s = 4}, .value_rad = 0.7, .tolerance_rad = 0.05},
+                                 LookAtTerm{.from_s = 1, .to_s = 2, .value_m = {2, 1.5, 6}}};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 2);
+  EXPECT_NEAR(HeadingRad(result.clip, 120), 0.7, 0.05);
+}
+
+TEST(SteeredSynthesis, WalksAtTheSpeedAsked) {
+  for (const double speed : {1.1, 1.4}) {
+    SynthesisRequest request = Request(6);
+    request.control.path = PathTerm{.points_m = {{0, 0}, {0, 7}}};
+    request.control.speed = SpeedTerm{.profile = {{0, speed}}};
+    const SynthesisResult result = Synthesize(Model(), request);
+    ExpectAllMet(result, 3);
+    EXPECT_NEAR(7 / result.report.duration_s, speed, 0.1);
+  }
+}
+
+TEST(SteeredSynthesis, IsReproducibleAndVaried) {
+  SynthesisRequest request = Request(1);
+  request.control.goal = GoalTerm{.position_m = {1, 5}};
+  const SynthesisResult first = Synthesize(Model(), request), again = Synthesize(Model(), request);
+  EXPECT_EQ(first.clip.root_positions(), again.clip.root_positions());
+  request.seed = 2;
+  const SynthesisResult other = Synthesize(Model(), request);
+  const int frames = std::min(first.clip.frame_count(), other.clip.frame_count());
+  double apart = 0;
+  for (int f = 0; f < frames; ++f) apart += (Root(first.clip, f) - Root(other.clip, f)).norm() / frames;
+  EXPECT_GT(apart, 0.02);
+}
+
+struct Hopeless {
+  const char* pointer;
+  std::function<void(SynthesisRequest*)> ask;
+};
+
+TEST(SteeredSynthesis, NamesWhatCannotBeMet) {
+  const auto constrain = [](SynthesisRequest* request, Constraint constraint) {
+    request->duration_s = 4;
+    request->control.constraints = {std::move(constraint)};
+  };
+  const auto hand = [&](Eigen::Vector3d at, double time = 2) {
+    return [=](SynthesisRequest* r) { constrain(r, PositionTerm{.joint = "left_wrist", .at = {.time_s = time}, .value_m = at}); };
+  };
+  const auto circle = [](double x, double z, double radius) { return KeepOutTerm{.center_m = {x, z}, .radius_m = radius, .polygon_m = {}}; };
+  const std::vector<Hopeless> requests = {
+      {"/goal", [](auto* r) { r->control.goal = GoalTerm{.position_m = {0, 30}, .time_s = 4}; }},
+      {"/path", [](auto* r) { r->control.path = PathTerm{.points_m = {{0, 0}, {0, 1}}}; r->duration_s = 12; }},
+      {"/goal/position", [](auto* r) { r->control.goal = GoalTerm{.position_m = {0, 0.1}}; }},
+      {"/path", [](auto* r) { r->control.path = PathTerm{.points_m = {{0, 0}, {0, 1}, {0.2, 0}, {0.4, 1}, {0.6, 0}, {0.8, 1}}, .tolerance_m = 0.02}; }},
+      {"/speed", [](auto* r) { r->control.path = PathTerm{.points_m = {{0, 0}, {0, 6}}}; r->control.speed = SpeedTerm{.profile = {{0, 6}}}; }},
+      {"/speed", [](auto* r) { r->control.path = PathTerm{.points_m = {{0, 0}, {0, 6}}}; r->control.speed = SpeedTerm{.profile = {{0, 0.1}}}; }},
+      {"/constraints/0", hand({0, 3, 2})},
+      {"/constraints/0", hand({0, -0.5, 2})},
+      {"/constraints/0", hand({20, 1, 2})},
+      {"/constraints/0/time", hand({0, 1, 2}, 9)},
+      {"/constraints/0/joint", [&](auto* r) { constrain(r, PositionTerm{.joint = "tail", .at = {.time_s = 1}}); }},
+      {"/constraints/0/keyframe", [&](auto* r) { constrain(r, HeadingTerm{.at = {.keyframe = 99}}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, HeadingTerm{.at = {.time_s = 0.3}, .value_rad = 3}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, FootstepTerm{.left = true, .index = 2, .value_m = {8, 2}}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, FootstepTerm{.left = true, .index = 50, .value_m = {0, 2}}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 0, 0.5)); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 5, 0.5)); r->control.goal = GoalTerm{.position_m = {0, 5}}; }},
+      {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 3, 0.5)); r->control.path = PathTerm{.points_m = {{0, 0}, {0, 6}}}; }},
+      {"/constraints/0", [&](auto* r) { constrain(r, LookAtTerm{.from_s = 1, .to_s = 3, .value_m = {0, 1.5, -20}}); }},
+      {"/constraints/0/to", [&](auto* r) { constrain(r, LookAtTerm{.from_s = 1, .to_s = 8, .value_m = {0, 1.5, 20}}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, OrientationTerm{.joint = "hips", .at = {.time_s = 2}, .value = Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitX()))}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, PoseTerm{.at = {.time_s = 2}, .joints = {"left_wrist"}, .values_m = {{0, 2.5, 0}}}); }},
+      {"/style", [](auto* r) { r->style = "moonwalk"; r->control.goal = GoalTerm{.position_m = {0, 3}}; }},
+      {"/start/from", [](auto* r) { r->start_from = WalkBoundary::kSlowStep; r->control.goal = GoalTerm{.position_m = {0, 3}}; }},
+  };
+  for (size_t i = 0; i < requests.size(); ++i) {
+    SynthesisRequest request = Request(1);
+    requests[i].ask(&request);
+    const std::vector<std::string> refused = Refused(request);
+    EXPECT_NE(std::find(refused.begin(), refused.end(), requests[i].pointer), refused.end())
+        << "request " << i << ": " << requests[i].pointer << " expected, " << (refused.empty() ? "nothing" : refused[0]) << " refused";
+  }
+}
+
+}  // namespace
+}  // namespace morphograph
