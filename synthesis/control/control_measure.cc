@@ -9,7 +9,7 @@
 namespace morphograph {
 namespace {
 
-double AngleBetween(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
+double Apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
 
 class Measurer {
  public:
@@ -23,7 +23,7 @@ class Measurer {
     if (control.goal) {
       Add("/goal", (measured_.RootAt(last) - control.goal->position_m).norm(), control.goal->tolerance_m, "m", false, List(measured_.RootAt(last)));
       if (control.goal->heading_rad)
-        Add("/goal/heading", AngleBetween(measured_.HeadingAt(last), *control.goal->heading_rad), control.goal->heading_tolerance_rad, "rad", false,
+        Add("/goal/heading", Apart(measured_.HeadingAt(last), *control.goal->heading_rad), control.goal->heading_tolerance_rad, "rad", false,
             {measured_.HeadingAt(last)});
       if (control.goal->time_s) Add("/goal/time", std::abs(last / measured_.clip.frame_rate_hz() - *control.goal->time_s), kTimeTolerance_s, "s", false,
             {last / measured_.clip.frame_rate_hz()});
@@ -98,7 +98,7 @@ class Measurer {
 
   void Of(const HeadingTerm& term) {
     const double there = measured_.HeadingAt(FrameOf(term.at, times_, measured_));
-    AddConstraint(AngleBetween(there, term.value_rad), term.tolerance_rad, "rad", false, {there});
+    AddConstraint(Apart(there, term.value_rad), term.tolerance_rad, "rad", false, {there});
   }
 
   void Of(const FootstepTerm& term) {

@@ -5,6 +5,7 @@
 #include <type_traits>
 
 #include "synthesis/control/floor_area.h"
+#include "synthesis/control/pose_layer.h"
 #include "synthesis/unsatisfiable_request.h"
 
 namespace morphograph {
@@ -34,7 +35,7 @@ class Maker {
  private:
   ResolvedJoint Resolve(int joint) {
     const auto& means = problem_.graph.styles()[static_cast<size_t>(problem_.style)].mean_rotations;
-    return {joint, std::make_shared<JointChain>(problem_.graph.layout(), means, joint)};
+    return {joint, std::make_shared<JointChain>(problem_.graph.layout(), means, joint), !LimbChain(skeleton_, joint).empty()};
   }
 
   ResolvedJoint Named(const std::string& name, const std::string& pointer) {

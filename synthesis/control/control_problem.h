@@ -11,6 +11,7 @@ namespace morphograph {
 struct ResolvedJoint {
   int joint = -1;
   std::shared_ptr<const JointChain> chain;
+  bool finishes = false;  // a joint of an arm or the head: a pose goal takes it to its place
 };
 
 /// A request with control terms, made ready for one style of a graph: joints found, angles and times in place, a line to be guided by.

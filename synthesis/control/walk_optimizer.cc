@@ -12,6 +12,7 @@
 
 #include "synthesis/control/control_residuals.h"
 #include "synthesis/control/floor_area.h"
+#include "synthesis/control/pose_goals.h"
 #include "synthesis/step_track.h"
 #include "synthesis/walk_clip.h"
 
@@ -26,6 +27,7 @@ constexpr double kTight = 0.1, kMean = 0.4, kSternest = 0.15;
 // Parts of the tolerances within which nothing more is done; for means over a whole clip, which another round hardly changes, and the rest.
 constexpr double kEnoughOnTheWhole = 0.9, kEnough = 0.5;
 constexpr double kProgress = 0.95;        // of the largest residual, from round to round; more is none
+constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
 constexpr double kFarthest = 1.15;        // norm of a latent, in the largest of the training
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
@@ -96,7 +98,7 @@ class Optimizer {
         least = worst;
         best = result_;
       }
-      const bool tightened = TightenMeans();
+      const bool tightened = Tighten();
       if (least <= 1 || (round > 0 && !tightened && worst > kProgress * before)) break;
       TakeOverPlaces();
     }
@@ -244,10 +246,15 @@ class Optimizer {
     }
   }
 
+  // Arms and head finish by themselves what the walk brings near (see ApplyPoseGoals).
+  double PointDeviation(const ResolvedJoint& joint, double tolerance_m) const {
+    return joint.finishes ? std::max(loose_part_ * kLoosePoint_m, kTight * tolerance_m) : kTight * tolerance_m;
+  }
+
   void AddTerm(ceres::Problem* problem, const PositionTerm& term, const std::vector<ResolvedJoint>& joints) {
     const Place at = PlaceOf(term.at);
     Eigen::Vector3d deviation;
-    for (int axis = 0; axis < 3; ++axis) deviation[axis] = term.use[axis] ? kTight * term.tolerance_m : kFree;
+    for (int axis = 0; axis < 3; ++axis) deviation[axis] = term.use[axis] ? PointDeviation(joints[0], term.tolerance_m) : kFree;
     AddJoint(problem, at, joints[0], term.value_m, deviation, MeasuredJoint(at.frame, joints[0].joint));
   }
 
@@ -259,7 +266,7 @@ class Optimizer {
   void AddTerm(ceres::Problem* problem, const TrajectoryTerm& term, const std::vector<ResolvedJoint>& joints) {
     for (size_t k = 0; k < term.times_s.size(); ++k) {
       const Place at = PlaceOfTime(term.times_s[k]);
-      AddJoint(problem, at, joints[0], term.points_m[k], Eigen::Vector3d::Constant(kTight * term.tolerance_m), MeasuredJoint(at.frame, joints[0].joint));
+      AddJoint(problem, at, joints[0], term.points_m[k], Eigen::Vector3d::Constant(PointDeviation(joints[0], term.tolerance_m)), MeasuredJoint(at.frame, joints[0].joint));
     }
   }
 
@@ -303,7 +310,7 @@ class Optimizer {
     const int count = std::max(1, static_cast<int>(std::ceil((term.to_s - term.from_s) / spacing)));
     for (int i = 0; i <= count; ++i) {
       const Place at = PlaceOfTime(term.from_s + (term.to_s - term.from_s) * i / count);
-      Add(problem, new LookAtResidual(kinematics_[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, mean_part_ * term.tolerance_rad), at.step);
+      Add(problem, new LookAtResidual(kinematics_[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, std::max(loose_part_ * kLooseLook_rad, mean_part_ * term.tolerance_rad)), at.step);
     }
   }
 
@@ -313,7 +320,7 @@ class Optimizer {
     const Eigen::AngleAxisd turn(root.value[2], Eigen::Vector3d::UnitY());
     for (size_t k = 0; k < joints.size(); ++k) {
       const Eigen::Vector3d target = turn * term.values_m[k] + Eigen::Vector3d(root.value[0], 0, root.value[1]);
-      AddJoint(problem, at, joints[k], target, Eigen::Vector3d::Constant(kTight * term.tolerance_m), MeasuredJoint(at.frame, joints[k].joint));
+      AddJoint(problem, at, joints[k], target, Eigen::Vector3d::Constant(PointDeviation(joints[k], term.tolerance_m)), MeasuredJoint(at.frame, joints[k].joint));
     }
   }
 
@@ -370,10 +377,11 @@ class Optimizer {
     result_.walk.frames = frames_;
     if (problem_.guide.free_heading) result_.start.heading_rad = places_[0][kPlaceHeading];
     result_.clip = MakeWalkClip(graph_, result_.walk.steps, frames_, rate(), result_.start);
-    result_.evaluation = EvaluateClip(result_.clip);
     result_.keyframe_times_s.clear();
     for (const DrawnStep& step : result_.walk.steps) result_.keyframe_times_s.push_back(step.start / rate());
     result_.keyframe_times_s.push_back(result_.walk.steps.back().end / rate());
+    ApplyPoseGoals(problem_, result_.keyframe_times_s, &result_.clip);
+    result_.evaluation = EvaluateClip(result_.clip);
     result_.outcomes = MeasureControls(problem_, result_.keyframe_times_s, {result_.clip, result_.evaluation.contacts});
   }
 
@@ -387,11 +395,12 @@ class Optimizer {
     return worst;
   }
 
-  // What holds over many frames is asked for more sternly where it has not come out. True where that is new.
-  bool TightenMeans() {
-    const bool missed = std::any_of(result_.outcomes.begin(), result_.outcomes.end(), [](const ControlOutcome& outcome) { return outcome.is_mean && !outcome.met; });
-    if (!missed || mean_part_ < kSternest) return false;
+  // Where terms have not come out, those that hold over many frames and those that arms and head finish are asked for more sternly. True
+  // where that is news.
+  bool Tighten() {
+    if (result_.walk.steps.empty() || result_.all_met() || mean_part_ < kSternest) return false;
     mean_part_ /= 2;
+    loose_part_ /= 4;
     return true;
   }
 
@@ -437,6 +446,7 @@ class Optimizer {
   std::vector<double> along_m_;
   int frames_;
   double mean_part_ = kMean;  // of the tolerance, that terms over many frames may deviate by
+  double loose_part_ = 1;     // of the deviations of what arms and head finish
   std::vector<Eigen::VectorXd> latents_;
   std::vector<KeyframePlace> places_;
   std::list<Eigen::Vector3d> offsets_;  // of the terms of the present solution

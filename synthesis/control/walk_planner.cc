@@ -15,13 +15,14 @@ namespace {
 
 constexpr int kBeamWidth = 8;
 constexpr int kFirstDraws = 16;
-constexpr int kDraws = 4;        // successors of each walk in the beam; half of them are bent to the path, where there is one
+constexpr int kDraws = 4;        // successors of each walk in the beam; half of them are bent towards what is asked
 constexpr int kEndDraws = 2;     // of them that stop
 constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its last cross-fade and for steps that grow shorter
 
 // Deviations of what the search looks at, about a third of what the optimiser can still move without leaving what is likely.
 constexpr double kHeading = 0.3, kGoal_m = 0.15, kGoalHeading = 0.15, kSpeed_m_s = 0.1, kProgress_m = 0.25, kPlace_m = 0.1, kEndTime_s = 0.1;
 constexpr double kStop_m = 0.05;  // of where a walk stops: steps into a standstill vary little, and one too many or too few is half a metre
+constexpr double kBendAhead_s = 2.5;  // steps are bent to what is asked within this time
 constexpr double kAhead_m = 0.2;  // where the path leads there is where the body should turn to
 constexpr double kClearance_m = 0.3;  // of the root from areas kept out of: feet and sway need room
 constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
@@ -91,19 +92,50 @@ class Search {
     return Add(std::move(node));
   }
 
-  // Bends a drawn step towards the path: the most likely change of its latent, were its prior N(0, I) about what was drawn and the path known
-  // to within the search's deviations. Turns are rare among draws, and a path that asks for one should not have to wait for it.
-  void BendToPath(Node* node) {
+  // Bends a drawn step towards what is asked: the most likely change of its latent, were its prior N(0, I) about what was drawn and the terms
+  // known to within the search's deviations. Turns are rare among draws, and a path that asks for one should not have to wait for it.
+  void Bend(Node* node) {
     const PlaceState next = kinematics_.Of(node->step)->Next(node->step.whitened, node->place);
-    const FloorPath::Nearest at = guide_.path->NearestTo(next.value.head<2>(), node->along - 0.2, node->along + 2);
-    const Eigen::Vector2d direction = guide_.path->Direction(at.along_m);
-    const Eigen::RowVector2d left(direction.y(), -direction.x());
-    Eigen::MatrixXd by_latent(2, next.by_latent.cols());
-    by_latent << left * next.by_latent.topRows<2>() / guide_.path_deviation_m, next.by_latent.row(kPlaceHeading) / kHeading;
-    const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
-    const Eigen::Vector2d miss(left.dot(next.value.head<2>() - at.point_m) / guide_.path_deviation_m,
-                               AngleBetween(next.value[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
-    const Eigen::Matrix2d gram = by_latent * by_latent.transpose() + Eigen::Matrix2d::Identity();
+    const Eigen::Vector2d end = next.value.head<2>();
+    const double duration = next.value[kPlaceTime] - node->place[kPlaceTime];
+    std::vector<double> misses;
+    std::vector<Eigen::RowVectorXd> rows;
+    const auto add = [&](double miss, const Eigen::RowVectorXd& row, double deviation) {
+      misses.push_back(miss / deviation);
+      rows.push_back(row / deviation);
+    };
+    if (guide_.path) {
+      const FloorPath::Nearest at = guide_.path->NearestTo(end, node->along - 0.2, node->along + 2);
+      const Eigen::Vector2d direction = guide_.path->Direction(at.along_m);
+      const Eigen::RowVector2d left(direction.y(), -direction.x());
+      const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
+      add(left.dot(end - at.point_m), left * next.by_latent.topRows<2>(), guide_.path_deviation_m);
+      add(AngleBetween(next.value[kPlaceHeading], guide_.path->Heading(ahead)), next.by_latent.row(kPlaceHeading), kHeading);
+    }
+    for (const TimedPlace& wanted : guide_.places) {
+      const double still = wanted.time_s - next.value[kPlaceTime];
+      if (still < -duration || still > kBendAhead_s) continue;
+      // Where the walk would be by then; a turn of the body turns all of the way that is left.
+      const Eigen::Vector2d left = std::max(0.0, still) / duration * (end - node->place.head<2>());
+      const Eigen::Vector2d miss = end + left - wanted.position_m;
+      const double too_far = miss.norm() - wanted.reach_m;
+      if (too_far <= 0) continue;
+      const Eigen::MatrixXd by_latent = (1 + std::max(0.0, still) / duration) * next.by_latent.topRows<2>() +
+                                        Eigen::Vector2d(left.y(), -left.x()) * next.by_latent.row(kPlaceHeading);
+      const Eigen::RowVector2d towards = miss.transpose().normalized();
+      add(too_far, towards * by_latent, kPlace_m + 0.25 * std::max(0.0, still));
+    }
+    for (const TimedHeading& wanted : guide_.headings) {
+      const double still = wanted.time_s - next.value[kPlaceTime];
+      if (still < -duration || still > kBendAhead_s) continue;
+      add(AngleBetween(next.value[kPlaceHeading], wanted.heading_rad), next.by_latent.row(kPlaceHeading), kGoalHeading + 0.3 * std::max(0.0, still));
+    }
+    if (rows.empty()) return;
+    Eigen::MatrixXd by_latent(static_cast<Eigen::Index>(rows.size()), rows[0].size());
+    for (size_t r = 0; r < rows.size(); ++r) by_latent.row(static_cast<Eigen::Index>(r)) = rows[r];
+    Eigen::MatrixXd gram = by_latent * by_latent.transpose();
+    gram.diagonal().array() += 1;
+    const Eigen::VectorXd miss = Eigen::Map<const Eigen::VectorXd>(misses.data(), static_cast<Eigen::Index>(misses.size()));
     const Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
     node->step = WithLatent(graph_, &nodes_[node->parent].step, node->step, node->step.whitened + change);
     node->cost += change.squaredNorm();
@@ -222,7 +254,7 @@ class Search {
     for (int i = 0; i < kDraws; ++i) {
       const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
       if (edge < 0) return;
-      const int grown = AddAfter(walk, edge, guide_.path && i >= kDraws / 2);
+      const int grown = AddAfter(walk, edge, i >= kDraws / 2);
       if (!Finish(grown)) next->push_back(grown);
     }
   }
@@ -241,7 +273,7 @@ class Search {
     node.along = nodes_[walk].along;
     node.cost = nodes_[walk].cost;
     node.steps = nodes_[walk].steps + 1;
-    if (bend) BendToPath(&node);
+    if (bend) Bend(&node);
     return Add(std::move(node));
   }
 

@@ -200,7 +200,7 @@ TEST(SteeredSynthesis, NamesWhatCannotBeMet) {
       {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 0, 0.5)); }},
       {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 5, 0.5)); r->control.goal = GoalTerm{.position_m = {0, 5}}; }},
       {"/constraints/0", [&](auto* r) { constrain(r, circle(0, 3, 0.5)); r->control.path = PathTerm{.points_m = {{0, 0}, {0, 6}}}; }},
-      {"/constraints/0", [&](auto* r) { constrain(r, LookAtTerm{.from_s = 1, .to_s = 3, .value_m = {0, 1.5, -20}}); }},
+      {"/constraints/0", [&](auto* r) { constrain(r, LookAtTerm{.from_s = 0, .to_s = 0.2, .value_m = {0, 1.5, -20}}); }},
       {"/constraints/0/to", [&](auto* r) { constrain(r, LookAtTerm{.from_s = 1, .to_s = 8, .value_m = {0, 1.5, 20}}); }},
       {"/constraints/0", [&](auto* r) { constrain(r, OrientationTerm{.joint = "hips", .at = {.time_s = 2}, .value = Eigen::Quaterniond(Eigen::AngleAxisd(2, Eigen::Vector3d::UnitX()))}); }},
       {"/constraints/0", [&](auto* r) { constrain(r, PoseTerm{.at = {.time_s = 2}, .joints = {"left_wrist"}, .values_m = {{0, 2.5, 0}}}); }},

@@ -1,0 +1,188 @@
+#include "synthesis/control/pose_layer.h"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "primitives/rotation_math.h"
+
+namespace morphograph {
+namespace {
+
+constexpr int kIterations = 20;
+constexpr double kLargestStep_rad = 0.25;  // of an iteration
+constexpr double kClose_m = 2e-4, kClose_rad = 1e-3;
+constexpr double kEaseIn_s = 0.25, kEaseSpeed_rad_s = 2.5, kLongestEase_s = 0.9;
+constexpr double kHeadTurn_rad = 1.2;  // of the head against the trunk, all joints of the neck together
+constexpr double kStraightest_rad = 0.12, kMostBent_rad = 2.6;  // flexion of an elbow
+
+bool IsAncestor(const Skeleton& skeleton, int ancestor, int joint) {
+  for (int j = joint; j >= 0; j = skeleton.parent(j)) {
+    if (j == ancestor) return true;
+  }
+  return false;
+}
+
+// Rises from 0 to 1, twice differentiable.
+double SmoothStep(double t) {
+  t = std::clamp(t, 0.0, 1.0);
+  return t * t * t * (t * (6 * t - 15) + 10);
+}
+
+using Turns = std::vector<Eigen::Vector3d>;  // of each link, in its joint's own frame
+
+class FrameSolver {
+ public:
+  FrameSolver(const MotionClip& clip, int frame, const PoseGoal& goal, const LimbChain& chain)
+      : skeleton_(clip.skeleton()), root_(clip.root_positions().col(frame)), goal_(goal), chain_(chain), frame_(frame) {
+    original_.assign(clip.rotations(frame), clip.rotations(frame) + clip.joint_count());
+    rotations_ = original_;
+    ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
+    if (goal_.position) target_ = goal_.position(frame_, pose_);
+  }
+
+  Turns Solve() {
+    for (int i = 0; i < kIterations; ++i) {
+      const Eigen::Vector3d miss = goal_.position ? Eigen::Vector3d(target_ - pose_.positions.col(goal_.joint)) : goal_.turn(frame_, pose_);
+      if (miss.norm() < (goal_.position ? kClose_m : kClose_rad)) break;
+      Step(miss);
+    }
+    Turns turns;
+    for (const LimbChain::Link& link : chain_.links()) turns.push_back(TurnOf(link.joint));
+    return turns;
+  }
+
+ private:
+  Eigen::Vector3d TurnOf(int joint) const {
+    const auto j = static_cast<size_t>(joint);
+    return LogMap(original_[j].conjugate() * rotations_[j]);
+  }
+
+  // Bones on both sides of an elbow, in the world.
+  std::pair<Eigen::Vector3d, Eigen::Vector3d> Bones(int elbow) const {
+    int below = goal_.joint;
+    while (skeleton_.parent(below) != elbow) below = skeleton_.parent(below);
+    const Eigen::Vector3d here = pose_.positions.col(elbow);
+    return {here - pose_.positions.col(skeleton_.parent(elbow)), pose_.positions.col(below) - here};
+  }
+
+  void Step(const Eigen::Vector3d& miss) {
+    struct Axis {
+      size_t link;
+      Eigen::Vector3d world;
+    };
+    std::vector<Axis> axes;
+    for (size_t k = 0; k < chain_.links().size(); ++k) {
+      const LimbChain::Link& link = chain_.links()[k];
+      if (link.is_elbow) {
+        const auto [upper, lower] = Bones(link.joint);
+        const Eigen::Vector3d hinge = upper.cross(lower);
+        if (hinge.norm() > 1e-6) axes.push_back({k, hinge.normalized()});
+      } else {
+        for (int axis = 0; axis < 3; ++axis) axes.push_back({k, Eigen::Vector3d::Unit(axis)});
+      }
+    }
+    Eigen::MatrixXd jacobian(3, axes.size());
+    Eigen::VectorXd ease(axes.size());
+    for (size_t a = 0; a < axes.size(); ++a) {
+      const LimbChain::Link& link = chain_.links()[axes[a].link];
+      const Eigen::Vector3d arm = pose_.positions.col(goal_.joint) - pose_.positions.col(link.joint);
+      jacobian.col(static_cast<Eigen::Index>(a)) = goal_.position ? axes[a].world.cross(arm) : axes[a].world;
+      ease[static_cast<Eigen::Index>(a)] = link.ease;
+    }
+    const Eigen::MatrixXd eased = ease.asDiagonal() * jacobian.transpose();
+    const double damping = 1e-3 * (jacobian * eased).trace() / 3;
+    Eigen::VectorXd turn = eased * (jacobian * eased + damping * Eigen::Matrix3d::Identity()).ldlt().solve(miss);
+    const double largest = turn.cwiseAbs().maxCoeff();
+    if (largest > kLargestStep_rad) turn *= kLargestStep_rad / largest;
+
+    std::vector<Eigen::Vector3d> of_link(chain_.links().size(), Eigen::Vector3d::Zero());
+    for (size_t a = 0; a < axes.size(); ++a) of_link[axes[a].link] += turn[static_cast<Eigen::Index>(a)] * axes[a].world;
+    for (size_t k = 0; k < of_link.size(); ++k) Turn(chain_.links()[k], of_link[k]);
+    ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
+  }
+
+  // Turns a joint about the world's axes, within its limits.
+  void Turn(const LimbChain::Link& link, Eigen::Vector3d world) {
+    const auto j = static_cast<size_t>(link.joint);
+    if (link.is_elbow) {
+      const auto [upper, lower] = Bones(link.joint);
+      const double flexion = std::atan2(upper.cross(lower).norm(), upper.dot(lower));
+      const double wanted = world.norm() * (world.dot(upper.cross(lower)) < 0 ? -1 : 1);
+      const double allowed = std::clamp(flexion + wanted, std::min(flexion, kStraightest_rad), std::max(flexion, kMostBent_rad)) - flexion;
+      if (std::abs(wanted) > 1e-12) world *= allowed / wanted;
+    }
+    const Eigen::Quaterniond parent = pose_.rotations[static_cast<size_t>(skeleton_.parent(link.joint))];
+    Eigen::Quaterniond turned = (ExpMap(parent.conjugate() * world) * rotations_[j]).normalized();
+    Eigen::Vector3d all = LogMap(original_[j].conjugate() * turned);
+    if (all.norm() > link.limit_rad) turned = original_[j] * ExpMap(all * (link.limit_rad / all.norm()));
+    rotations_[j] = turned;
+  }
+
+  const Skeleton& skeleton_;
+  Eigen::Vector3d root_;
+  const PoseGoal& goal_;
+  const LimbChain& chain_;
+  int frame_;
+  Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
+  std::vector<Eigen::Quaterniond> original_, rotations_;
+  WorldPose pose_;
+};
+
+}  // namespace
+
+LimbChain::LimbChain(const Skeleton& skeleton, int joint) {
+  const RoleMap& roles = skeleton.roles();
+  const int shoulders[2] = {roles[JointRole::kLeftShoulder], roles[JointRole::kRightShoulder]};
+  const int elbows[2] = {roles[JointRole::kLeftElbow], roles[JointRole::kRightElbow]};
+  if (shoulders[0] < 0 || shoulders[1] < 0) return;
+  const auto is_trunk = [&](int j) { return IsAncestor(skeleton, j, shoulders[0]) && IsAncestor(skeleton, j, shoulders[1]); };
+  std::vector<Link> links;
+  int j = joint;
+  for (; j >= 0 && !is_trunk(j); j = skeleton.parent(j)) {
+    if (roles.RoleOf(j) == JointRole::kLeftHip || roles.RoleOf(j) == JointRole::kRightHip) return;
+    Link link{j, false, 1, 0.8};
+    if (j == elbows[0] || j == elbows[1]) {
+      link.is_elbow = j != joint;
+      link.limit_rad = 2;
+    } else if (j == shoulders[0] || j == shoulders[1]) {
+      link.limit_rad = 1.6;
+    } else if (IsAncestor(skeleton, j, shoulders[0]) || IsAncestor(skeleton, j, shoulders[1])) {
+      link = {j, false, 0.15, 0.35};  // collar bones follow, a little
+    }
+    links.push_back(link);
+  }
+  // Legs that do not pass a hip joint with a role, and everything else below the pelvis, are the walk's.
+  if (j < 0 || j == skeleton.moving_root()) return;
+  const bool is_head = std::none_of(links.begin(), links.end(), [&](const Link& link) { return IsAncestor(skeleton, shoulders[0], link.joint) || IsAncestor(skeleton, shoulders[1], link.joint); });
+  if (is_head) {
+    for (Link& link : links) link.limit_rad = kHeadTurn_rad / static_cast<double>(links.size());
+  }
+  links_ = std::move(links);
+}
+
+void ApplyPoseGoal(const PoseGoal& goal, MotionClip* clip) {
+  const LimbChain chain(clip->skeleton(), goal.joint);
+  if (chain.empty() || clip->frame_count() == 0) return;
+  const int frames = clip->frame_count();
+  const int first = std::clamp(goal.first_frame, 0, frames - 1), last = std::clamp(goal.last_frame, first, frames - 1);
+  std::vector<Turns> turns;
+  for (int f = first; f <= last; ++f) turns.push_back(FrameSolver(*clip, f, goal, chain).Solve());
+  const auto ease_frames = [&](const Turns& at) {
+    double largest = 0;
+    for (const Eigen::Vector3d& turn : at) largest = std::max(largest, turn.norm());
+    return std::min(kLongestEase_s, kEaseIn_s + largest / kEaseSpeed_rad_s) * clip->frame_rate_hz();
+  };
+  const double before = ease_frames(turns.front()), after = ease_frames(turns.back());
+  for (int f = 0; f < frames; ++f) {
+    const double part = f < first ? SmoothStep(1 - (first - f) / before) : f > last ? SmoothStep(1 - (f - last) / after) : 1;
+    if (part <= 0) continue;
+    const Turns& at = turns[static_cast<size_t>(std::clamp(f, first, last) - first)];
+    for (size_t k = 0; k < at.size(); ++k) {
+      Eigen::Quaterniond& rotation = clip->rotation(f, chain.links()[k].joint);
+      rotation = (rotation * ExpMap(part * at[k])).normalized();
+    }
+  }
+}
+
+}  // namespace morphograph
