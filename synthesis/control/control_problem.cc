@@ -35,7 +35,14 @@ class Maker {
  private:
   ResolvedJoint Resolve(int joint) {
     const auto& means = problem_.graph.styles()[static_cast<size_t>(problem_.style)].mean_rotations;
-    return {joint, std::make_shared<JointChain>(problem_.graph.layout(), means, joint), !LimbChain(skeleton_, joint).empty()};
+    ResolvedJoint resolved{joint, std::make_shared<JointChain>(problem_.graph.layout(), means, joint)};
+    const LimbChain limb(skeleton_, joint);
+    if (!limb.empty()) {
+      resolved.finishes = true;
+      resolved.base = limb.links().back().joint;
+      resolved.base_chain = std::make_shared<JointChain>(problem_.graph.layout(), means, resolved.base);
+    }
+    return resolved;
   }
 
   ResolvedJoint Named(const std::string& name, const std::string& pointer) {

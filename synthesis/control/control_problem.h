@@ -12,6 +12,8 @@ struct ResolvedJoint {
   int joint = -1;
   std::shared_ptr<const JointChain> chain;
   bool finishes = false;  // a joint of an arm or the head: a pose goal takes it to its place
+  int base = -1;          // of these, the joint that the limb hangs from: what the walk has to bring near
+  std::shared_ptr<const JointChain> base_chain = {};
 };
 
 /// A request with control terms, made ready for one style of a graph: joints found, angles and times in place, a line to be guided by.

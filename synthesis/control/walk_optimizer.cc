@@ -28,6 +28,8 @@ constexpr double kTight = 0.1, kMean = 0.4, kSternest = 0.15;
 constexpr double kEnoughOnTheWhole = 0.9, kEnough = 0.5;
 constexpr double kProgress = 0.95;        // of the largest residual, from round to round; more is none
 constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
+constexpr double kReachSpare_m = 0.02;     // past what an arm did not reach
+constexpr bool kAllAxes[3] = {true, true, true};
 constexpr double kFarthest = 1.15;        // norm of a latent, in the largest of the training
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
@@ -246,16 +248,28 @@ class Optimizer {
     }
   }
 
-  // Arms and head finish by themselves what the walk brings near (see ApplyPoseGoals).
-  double PointDeviation(const ResolvedJoint& joint, double tolerance_m) const {
-    return joint.finishes ? std::max(loose_part_ * kLoosePoint_m, kTight * tolerance_m) : kTight * tolerance_m;
+  // A joint at a point. Arms and head finish by themselves what the walk brings near (see ApplyPoseGoals); where they did not reach, the walk
+  // has to bring the joint nearer that they hang from.
+  void AddPoint(ceres::Problem* problem, const Place& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const bool* use, double tolerance_m) {
+    Eigen::Vector3d deviation = Eigen::Vector3d::Constant(joint.finishes ? std::max(kLoosePoint_m, kTight * tolerance_m) : kTight * tolerance_m);
+    const auto measured = MeasuredJoint(at.frame, joint.joint);
+    if (joint.finishes && measured) {
+      Eigen::Vector3d missing = target - *measured;
+      for (int axis = 0; axis < 3; ++axis) missing[axis] *= use[axis];
+      if (missing.norm() > kEnough * tolerance_m) {
+        const Eigen::Vector3d base = *MeasuredJoint(at.frame, joint.base);
+        const ResolvedJoint limb{joint.base, joint.base_chain};
+        return AddJoint(problem, at, limb, base + missing + kReachSpare_m * missing.normalized(), Eigen::Vector3d::Constant(kTight * kLoosePoint_m), base);
+      }
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      if (!use[axis]) deviation[axis] = kFree;
+    }
+    AddJoint(problem, at, joint, target, deviation, measured);
   }
 
   void AddTerm(ceres::Problem* problem, const PositionTerm& term, const std::vector<ResolvedJoint>& joints) {
-    const Place at = PlaceOf(term.at);
-    Eigen::Vector3d deviation;
-    for (int axis = 0; axis < 3; ++axis) deviation[axis] = term.use[axis] ? PointDeviation(joints[0], term.tolerance_m) : kFree;
-    AddJoint(problem, at, joints[0], term.value_m, deviation, MeasuredJoint(at.frame, joints[0].joint));
+    AddPoint(problem, PlaceOf(term.at), joints[0], term.value_m, term.use, term.tolerance_m);
   }
 
   void AddTerm(ceres::Problem* problem, const OrientationTerm& term, const std::vector<ResolvedJoint>& joints) {
@@ -265,8 +279,7 @@ class Optimizer {
 
   void AddTerm(ceres::Problem* problem, const TrajectoryTerm& term, const std::vector<ResolvedJoint>& joints) {
     for (size_t k = 0; k < term.times_s.size(); ++k) {
-      const Place at = PlaceOfTime(term.times_s[k]);
-      AddJoint(problem, at, joints[0], term.points_m[k], Eigen::Vector3d::Constant(PointDeviation(joints[0], term.tolerance_m)), MeasuredJoint(at.frame, joints[0].joint));
+      AddPoint(problem, PlaceOfTime(term.times_s[k]), joints[0], term.points_m[k], kAllAxes, term.tolerance_m);
     }
   }
 
@@ -320,7 +333,7 @@ class Optimizer {
     const Eigen::AngleAxisd turn(root.value[2], Eigen::Vector3d::UnitY());
     for (size_t k = 0; k < joints.size(); ++k) {
       const Eigen::Vector3d target = turn * term.values_m[k] + Eigen::Vector3d(root.value[0], 0, root.value[1]);
-      AddJoint(problem, at, joints[k], target, Eigen::Vector3d::Constant(PointDeviation(joints[k], term.tolerance_m)), MeasuredJoint(at.frame, joints[k].joint));
+      AddPoint(problem, at, joints[k], target, kAllAxes, term.tolerance_m);
     }
   }
 
@@ -336,7 +349,8 @@ class Optimizer {
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
     options.max_num_iterations = iterations;
     options.function_tolerance = 1e-3;
-    options.initial_trust_region_radius = 1e6;
+    options.trust_region_strategy_type = ceres::DOGLEG;  // shortens steps for which the places of key frames are too stiff
+    options.initial_trust_region_radius = 300;
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
