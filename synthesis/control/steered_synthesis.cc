@@ -11,6 +11,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kAttempts = 4;
+constexpr double kOverFoot_m = 0.12;  // of the root from the ball of a foot that it stands over
 
 // For people: "0.1234 m", "12.3 degrees".
 std::string Quantity(double value, const std::string& unit) {
@@ -80,10 +81,25 @@ double Misses(const SteeredWalk& walk) {
   return misses;
 }
 
+// Where the search has to go for foot steps: which step that will be, only a walk can say, and the last one is as good as another.
+std::vector<TimedPlace> FootstepPlaces(const ControlProblem& problem, const SteeredWalk& last) {
+  std::vector<TimedPlace> places;
+  for (const Constraint& constraint : problem.request.control.constraints) {
+    const auto* term = std::get_if<FootstepTerm>(&constraint);
+    if (!term) continue;
+    const PlantedFoot* foot = FootstepOf(*term, last.evaluation.contacts);
+    if (!foot) continue;
+    const double time = (foot->interval.first + foot->interval.last) / 2.0 / problem.frame_rate_hz;
+    places.push_back({time, term->value_m, kOverFoot_m});
+  }
+  return places;
+}
+
 }  // namespace
 
 SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request, int style, double frame_rate_hz, std::mt19937_64& rng) {
-  const ControlProblem problem = MakeControlProblem(graph, request, style, frame_rate_hz);
+  ControlProblem problem = MakeControlProblem(graph, request, style, frame_rate_hz);
+  const std::vector<TimedPlace> asked = problem.guide.places;
   KinematicsCache kinematics(graph);
   SteeredWalk best;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
@@ -91,6 +107,8 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
     CheckMoments(problem, plan);
     SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics);
     if (walk.all_met()) return walk;
+    problem.guide.places = asked;
+    for (const TimedPlace& place : FootstepPlaces(problem, walk)) problem.guide.places.push_back(place);
     if (attempt == 0 || Misses(walk) < Misses(best)) best = std::move(walk);
   }
   std::vector<UnmetField> unmet;
