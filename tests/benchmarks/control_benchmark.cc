@@ -25,6 +25,7 @@
 #include "datasets/quantile.h"
 #include "graph/model_io.h"
 #include "synthesis/control/floor_path.h"
+#include "synthesis/control/walk_prior.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/set_quality.h"
 
@@ -137,6 +138,41 @@ class Requests {
   std::map<std::string, std::pair<double, double>> speeds_;
 };
 
+// ln p of captured steps after the ones before them, by style and sorted: of the training's residuals, each taken on a clip that its transition
+// had not seen.
+std::map<std::string, std::vector<double>> CapturedLikelihoods(const morphograph::MotionGraph& graph) {
+  std::map<std::string, std::vector<double>> of_style;
+  for (int e = 0; e < graph.edge_count(); ++e) {
+    const morphograph::TransitionModel& transition = graph.transition(e);
+    morphograph::WalkStep previous, next;
+    previous.primitive = graph.edge_from(e);
+    next.primitive = graph.edge_to(e);
+    next.edge = e;
+    if (!IsSteady(graph.primitive(previous.primitive)) || !IsSteady(graph.primitive(next.primitive))) continue;
+    for (morphograph::WalkStep* step : {&previous, &next}) {
+      step->manner.m.resize(static_cast<size_t>(graph.primitive_count()));
+      for (int p = 0; p < graph.primitive_count(); ++p)
+        step->manner.m[static_cast<size_t>(p)] = Eigen::VectorXd::Zero(graph.primitive(p).reduction.components());
+    }
+    const Eigen::VectorXd at = Eigen::VectorXd::Zero(graph.primitive(previous.primitive).reduction.components());
+    for (Eigen::Index i = 0; i < transition.residuals.cols(); ++i) {
+      next.component = transition.residual_component[static_cast<size_t>(i)];
+      previous.component = 0;
+      transition.component_chances.col(next.component).maxCoeff(&previous.component);
+      const Eigen::VectorXd within = transition.Mean(at) + transition.residuals.col(i).cast<double>();
+      const Eigen::VectorXd latent = WithinWalkOf(graph, next).scale.cwiseProduct(within);
+      of_style[graph.primitive(next.primitive).style].push_back(morphograph::StepInnovation(graph, previous, next).LogLikelihood(at, latent));
+    }
+  }
+  for (auto& [style, values] : of_style) std::sort(values.begin(), values.end());
+  return of_style;
+}
+
+// Part of the values that lie below, 0 to 1.
+double Rank(const std::vector<double>& sorted, double value) {
+  return static_cast<double>(std::lower_bound(sorted.begin(), sorted.end(), value) - sorted.begin()) / static_cast<double>(std::max<size_t>(1, sorted.size()));
+}
+
 struct Tally {
   std::map<std::string, std::vector<double>> residuals;  // by pointer
   std::map<std::string, std::string> units;
@@ -145,7 +181,8 @@ struct Tally {
 void Run(const morphograph::MotionGraph& graph, const std::string& kind, int count, std::uint64_t seed, const std::string& out) {
   Requests requests(graph, seed);
   Tally tally;
-  std::vector<double> ms, path_mean, path_95, steps;
+  const auto captured = CapturedLikelihoods(graph);
+  std::vector<double> ms, path_mean, path_95, ranks;
   std::vector<morphograph::MotionClip> clips, free;
   std::map<std::string, int> failures;
   int met = 0;
@@ -160,7 +197,9 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
         tally.residuals[outcome.pointer].push_back(outcome.residual);
         tally.units[outcome.pointer] = outcome.unit;
       }
-      for (const morphograph::StepReport& step : result.report.steps) steps.push_back(step.log_likelihood);
+      for (const morphograph::StepReport& step : result.report.steps) {
+        if (const auto found = captured.find(result.report.style); found != captured.end()) ranks.push_back(Rank(found->second, step.log_likelihood));
+      }
       if (request.control.path) {
         const morphograph::FloorPath path(request.control.path->points_m, request.control.path->smooth);
         std::vector<double> distances;
@@ -186,7 +225,7 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
   }
   std::printf("%-10s met %d of %d; ms median %.1f, 90 %% %.1f, 99 %% %.1f", kind.c_str(), met, count, morphograph::Median(ms), morphograph::Quantile(ms, 0.9),
               morphograph::Quantile(ms, 0.99));
-  if (!steps.empty()) std::printf("; ln p a step: median %.1f, 5 %% %.1f", morphograph::Median(steps), morphograph::Quantile(steps, 0.05));
+  if (!ranks.empty()) std::printf("; ln p a step among captured ones: median at %.0f %%", 100 * morphograph::Median(ranks));
   std::printf("\n");
   for (auto& [pointer, residuals] : tally.residuals) {
     const double scale = tally.units[pointer] == "rad" ? 180 / M_PI : tally.units[pointer] == "m" ? 100 : 1;
