@@ -55,6 +55,20 @@ bool FirstStepResidual::Evaluate(double const* const* parameters, double* residu
   return true;
 }
 
+RadiusResidual::RadiusResidual(int dimension, double radius, double deviation) : radius_(radius), deviation_(deviation) {
+  set_num_residuals(1);
+  mutable_parameter_block_sizes()->push_back(dimension);
+}
+
+bool RadiusResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  const Eigen::VectorXd w = Vector(parameters[0], parameter_block_sizes()[0]);
+  const double norm = w.norm();
+  const bool outside = norm > radius_ && norm > 0;
+  residuals[0] = outside ? (norm - radius_) / deviation_ : 0;
+  if (jacobians) Write(outside ? Eigen::MatrixXd(w.transpose() / (norm * deviation_)) : Eigen::MatrixXd::Zero(1, w.size()), jacobians[0]);
+  return true;
+}
+
 NextPlaceResidual::NextPlaceResidual(std::shared_ptr<const StepKinematics> step, const Eigen::Vector3d* offset) : step_(std::move(step)), offset_(offset) {
   set_num_residuals(4);
   *mutable_parameter_block_sizes() = {step_->dimension(), 4, 4};

@@ -38,6 +38,16 @@ class FirstStepResidual : public ceres::CostFunction {
   Eigen::VectorXd drawn_, scale_;
 };
 
+/// How far a latent lies outside of a radius, that of what was captured; 0 inside.
+class RadiusResidual : public ceres::CostFunction {
+ public:
+  RadiusResidual(int dimension, double radius, double deviation);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  double radius_, deviation_;
+};
+
 /// A step begins where the one before it ends. `offset` is what a clip's joins add to that: (x, z) in the heading frame of the step's place, heading.
 class NextPlaceResidual : public ceres::CostFunction {
  public:

@@ -30,7 +30,8 @@ constexpr double kProgress = 0.95;        // of the largest residual, from round
 constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
 constexpr double kReachSpare_m = 0.02;     // past what an arm did not reach
 constexpr bool kAllAxes[3] = {true, true, true};
-constexpr double kFarthest = 1.15;        // norm of a latent, in the largest of the training
+// Norms of latents, in the largest of the training: how far outside of it they are likely to be moved, and how far at most.
+constexpr double kRadius = 0.02, kFarthest = 1.15;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
 constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
@@ -205,6 +206,10 @@ class Optimizer {
     const double heading = problem_.guide.free_heading ? kFreeHeading_rad : 1e-4;
     problem->AddResidualBlock(new StartResidual(places_[0], {1e-4, 1e-4, heading, 1e-4}), nullptr, places_[0].data());
     for (size_t k = 0; k < steps_.size(); ++k) {
+      if (const double radius = graph_.primitive(steps_[k].primitive).latent_radius; radius > 0) {
+        const int dimension = static_cast<int>(latents_[k].size());
+        problem->AddResidualBlock(new RadiusResidual(dimension, std::max(radius, steps_[k].whitened.norm()), kRadius * radius), nullptr, latents_[k].data());
+      }
       if (k > 0) problem->AddResidualBlock(new InnovationResidual(innovations_[k - 1], drawn_[k - 1]), nullptr, latents_[k - 1].data(), latents_[k].data());
       problem->AddResidualBlock(new NextPlaceResidual(kinematics_[k], &joins_[k]), nullptr, latents_[k].data(), places_[k].data(), places_[k + 1].data());
     }

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/walk_prior.h"
@@ -31,9 +32,9 @@ double Square(double value) { return value * value; }
 
 double AngleBetween(double a, double b) { return std::remainder(a - b, 2 * M_PI); }
 
-// A walk in the beam, by its last step.
+// A walk in the beam, by its last step. Walks share the steps that they have in common; those that nobody goes on with go away.
 struct Node {
-  int parent = -1;
+  std::shared_ptr<const Node> before;
   WalkStep step;
   KeyframePlace place = KeyframePlace::Zero(), next = KeyframePlace::Zero();  // where the step begins and ends
   double along = 0;           // on the path, at its end
@@ -42,6 +43,7 @@ struct Node {
   int steps = 1;
   double end_s = 0;           // of the clip, once the walk is over
 };
+using Walk = std::shared_ptr<const Node>;
 
 class Search {
  public:
@@ -49,20 +51,17 @@ class Search {
       : graph_(graph), guide_(guide), effort_(effort), kinematics_(*kinematics), rng_(rng) {}
 
   WalkPlan Run() {
-    std::vector<int> beam;
-    for (int i = 0; i < effort_ * kFirstDraws; ++i) {
-      beam.push_back(AddFirst());
-      Finish(beam.back());
-    }
+    std::vector<Walk> beam;
+    for (int i = 0; i < effort_ * kFirstDraws; ++i) Admit(First(), &beam);
     Keep(&beam);
     for (int depth = 1; !beam.empty() && depth < StepLimit(); ++depth) {
-      std::vector<int> next;
-      for (const int walk : beam) Expand(walk, &next);
+      std::vector<Walk> next;
+      for (const Walk& walk : beam) Expand(walk, &next);
       Keep(&next);
       beam = std::move(next);
     }
-    if (finished_.empty()) throw UnsatisfiableRequest(guide_.to == WalkBoundary::kWalking ? "/style" : "/end", "no walk of this model begins, goes on and ends as asked");
-    return Plan(*std::min_element(finished_.begin(), finished_.end(), [&](int a, int b) { return nodes_[a].cost < nodes_[b].cost; }));
+    if (!finished_) throw UnsatisfiableRequest(stops() ? "/end" : "/style", "no walk of this model begins, goes on and ends as asked");
+    return Plan(finished_);
   }
 
  private:
@@ -74,7 +73,7 @@ class Search {
     return std::min(kMaxSteps, static_cast<int>(guide_.path->length_m() / 0.1) + 20);
   }
 
-  int AddFirst() {
+  Node First() {
     Node node;
     node.step = DrawStart(graph_, guide_.style, guide_.from, [&](int p) { return LeadsOn(graph_, p); }, rng_);
     double begins = 0;
@@ -89,7 +88,8 @@ class Search {
       const Eigen::Vector2d wanted = guide_.path->At(std::min(guide_.path->length_m(), moved.norm())) - node.place.head<2>();
       if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += AngleBetween(HeadingOfDirection(wanted), HeadingOfDirection(moved));
     }
-    return Add(std::move(node));
+    SetDown(&node);
+    return node;
   }
 
   // Bends a drawn step towards what is asked: the most likely change of its latent, were its prior N(0, I) about what was drawn and the terms
@@ -137,12 +137,13 @@ class Search {
     gram.diagonal().array() += 1;
     const Eigen::VectorXd miss = Eigen::Map<const Eigen::VectorXd>(misses.data(), static_cast<Eigen::Index>(misses.size()));
     const Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
-    node->step = WithLatent(graph_, &nodes_[node->parent].step, node->step, node->step.whitened + change);
+    node->step = WithLatent(graph_, &node->before->step, node->step, node->step.whitened + change);
     node->cost += change.squaredNorm();
   }
 
-  // Sets the step down, counts what it costs. Returns the walk's number.
-  int Add(Node node) {
+  // Sets the last step down, and counts what it costs.
+  void SetDown(Node* last) {
+    Node& node = *last;
     const auto kinematics = kinematics_.Of(node.step);
     const StepKinematics::Way way = kinematics->WayOf(node.step.whitened, node.place);
     node.next = way.next;
@@ -193,13 +194,10 @@ class Search {
       for (const Eigen::Vector2d& point : {middle, end}) node.cost += Square(std::max(0.0, DepthInside(area, point) + kClearance_m) / 0.1);
       node.estimate += Square(std::max(0.0, DepthInside(area, end + 0.6 * velocity) + kClearance_m) / 0.2);
     }
-    nodes_.push_back(std::move(node));
-    return static_cast<int>(nodes_.size()) - 1;
   }
 
-  // A walk over at a time of its last step: what is missing then. Ends of walks that stop are at that step's end.
-  void AddFinished(int walk, double end_s) {
-    Node& node = nodes_[walk];
+  // The walk is over at a time of its last step: what is missing then. Ends of walks that stop are at that step's end.
+  void End(Node node, double end_s) {
     const double t = stops() ? 1 : std::clamp((end_s - node.place[kPlaceTime]) / (node.next[kPlaceTime] - node.place[kPlaceTime]), 0.0, 1.0);
     const Eigen::Vector2d there = node.place.head<2>() + t * (node.next.head<2>() - node.place.head<2>());
     if (guide_.goal_m) node.cost += Square((there - *guide_.goal_m).norm() / (stops() ? kStop_m : kGoal_m));
@@ -208,54 +206,53 @@ class Search {
       node.cost += Square(AngleBetween(heading, *guide_.goal_heading_rad) / kGoalHeading);
     }
     node.end_s = end_s;
-    finished_.push_back(walk);
+    if (!finished_ || node.cost < finished_->cost) finished_ = std::make_shared<const Node>(std::move(node));
   }
 
-  // True where the walk is over within its last step.
-  bool Finish(int walk) {
-    const Node& node = nodes_[walk];
-    if (stops()) return false;
-    if (guide_.steps) {
-      if (node.steps < *guide_.steps) return false;
-      AddFinished(walk, node.next[kPlaceTime]);
-    } else if (guide_.duration_s) {
-      if (node.next[kPlaceTime] < *guide_.duration_s) return false;
-      AddFinished(walk, *guide_.duration_s);
+  // When the walk is over, if that is within its last step.
+  std::optional<double> EndOf(const Node& node) const {
+    if (stops()) return std::nullopt;
+    if (guide_.steps) return node.steps < *guide_.steps ? std::nullopt : std::optional(node.next[kPlaceTime]);
+    if (guide_.duration_s) return node.next[kPlaceTime] < *guide_.duration_s ? std::nullopt : std::optional(*guide_.duration_s);
+    const double length = guide_.path->length_m();
+    if (node.along < length - 1e-6) return std::nullopt;
+    // When the path's end was passed, by the projection on the last direction.
+    const Eigen::Vector2d direction = guide_.path->Direction(length), end = guide_.path->At(length);
+    const double from = direction.dot(node.place.head<2>() - end), to = direction.dot(node.next.head<2>() - end);
+    const double t = to > from ? std::clamp(-from / (to - from), 0.05, 1.0) : 1;
+    return node.place[kPlaceTime] + t * (node.next[kPlaceTime] - node.place[kPlaceTime]);
+  }
+
+  // A walk is over, or goes on.
+  void Admit(Node node, std::vector<Walk>* walks) {
+    if (const auto end_s = EndOf(node)) {
+      End(std::move(node), *end_s);
     } else {
-      const double length = guide_.path->length_m();
-      if (node.along < length - 1e-6) return false;
-      // When the path's end was passed, by the projection on the last direction.
-      const Eigen::Vector2d direction = guide_.path->Direction(length), end = guide_.path->At(length);
-      const double from = direction.dot(node.place.head<2>() - end), to = direction.dot(node.next.head<2>() - end);
-      const double t = to > from ? std::clamp(-from / (to - from), 0.05, 1.0) : 1;
-      AddFinished(walk, node.place[kPlaceTime] + t * (node.next[kPlaceTime] - node.place[kPlaceTime]));
+      walks->push_back(std::make_shared<const Node>(std::move(node)));
     }
-    return true;
   }
 
-  void Expand(int walk, std::vector<int>* next) {
+  void Expand(const Walk& walk, std::vector<Walk>* next) {
     const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
     const auto ends = [&](int p) { return EndsIn(graph_.primitive(p)) == guide_.to; };
-    if (stops() && MayStop(nodes_[walk])) {
+    if (stops() && MayStop(*walk)) {
       for (int i = 0; i < kEndDraws; ++i) {
-        const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, ends, rng_);
+        const int edge = DrawEdge(graph_, walk->step.primitive, ends, rng_);
         if (edge < 0) break;
-        const int end = AddAfter(walk, edge);
-        Node& node = nodes_[end];
+        Node node = After(walk, edge);
         const StepShape shape = graph_.primitive(node.step.primitive).Shape(node.step.latent);
         const double length = node.next[kPlaceTime] + MarginAfter(shape) * shape.duration_s;
         if (guide_.duration_s) node.cost += Square((length - *guide_.duration_s) / kEndTime_s);
-        AddFinished(end, length);
+        End(std::move(node), length);
       }
     }
-    if (stops() && guide_.steps && nodes_[walk].steps + 1 >= *guide_.steps) return;
-    if (stops() && guide_.duration_s && nodes_[walk].next[kPlaceTime] > *guide_.duration_s + kStopSearch_s) return;
-    if (stops() && !guide_.duration_s && !guide_.steps && nodes_[walk].along >= guide_.path->length_m() - 1e-6) return;
+    if (stops() && guide_.steps && walk->steps + 1 >= *guide_.steps) return;
+    if (stops() && guide_.duration_s && walk->next[kPlaceTime] > *guide_.duration_s + kStopSearch_s) return;
+    if (stops() && !guide_.duration_s && !guide_.steps && walk->along >= guide_.path->length_m() - 1e-6) return;
     for (int i = 0; i < kDraws; ++i) {
-      const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
+      const int edge = DrawEdge(graph_, walk->step.primitive, goes_on, rng_);
       if (edge < 0) return;
-      const int grown = AddAfter(walk, edge, i >= kDraws / 2);
-      if (!Finish(grown)) next->push_back(grown);
+      Admit(After(walk, edge, i >= kDraws / 2), next);
     }
   }
 
@@ -265,49 +262,44 @@ class Search {
     return guide_.path->length_m() - node.along < kStopSearch_m;
   }
 
-  int AddAfter(int walk, int edge, bool bend = false) {
+  Node After(const Walk& walk, int edge, bool bend = false) {
     Node node;
-    node.parent = walk;
-    node.step = DrawNextStep(graph_, nodes_[walk].step, edge, rng_);
-    node.place = nodes_[walk].next;
-    node.along = nodes_[walk].along;
-    node.cost = nodes_[walk].cost;
-    node.steps = nodes_[walk].steps + 1;
+    node.before = walk;
+    node.step = DrawNextStep(graph_, walk->step, edge, rng_);
+    node.place = walk->next;
+    node.along = walk->along;
+    node.cost = walk->cost;
+    node.steps = walk->steps + 1;
     if (bend) Bend(&node);
-    return Add(std::move(node));
+    SetDown(&node);
+    return node;
   }
 
-  void Keep(std::vector<int>* beam) const {
-    const auto better = [&](int a, int b) {
-      const double first = nodes_[a].cost + nodes_[a].estimate, second = nodes_[b].cost + nodes_[b].estimate;
-      return first != second ? first < second : a < b;
-    };
-    std::sort(beam->begin(), beam->end(), better);
-    beam->erase(std::remove_if(beam->begin(), beam->end(), [&](int walk) { return std::find(finished_.begin(), finished_.end(), walk) != finished_.end(); }),
-                beam->end());
+  void Keep(std::vector<Walk>* beam) const {
+    std::stable_sort(beam->begin(), beam->end(), [](const Walk& a, const Walk& b) { return a->cost + a->estimate < b->cost + b->estimate; });
     const auto width = static_cast<size_t>(effort_ * kBeamWidth);
     if (beam->size() > width) beam->resize(width);
   }
 
-  WalkPlan Plan(int walk) {
-    const double end_s = nodes_[walk].end_s;
+  WalkPlan Plan(Walk walk) {
+    const double end_s = walk->end_s;
     if (!stops()) {
       const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
-      while (nodes_[walk].next[kPlaceTime] < end_s + kSpare_s) {
-        const int edge = DrawEdge(graph_, nodes_[walk].step.primitive, goes_on, rng_);
+      while (walk->next[kPlaceTime] < end_s + kSpare_s) {
+        const int edge = DrawEdge(graph_, walk->step.primitive, goes_on, rng_);
         if (edge < 0) break;
-        walk = AddAfter(walk, edge);
+        walk = std::make_shared<const Node>(After(walk, edge));
       }
     }
     WalkPlan plan;
     // Walks that stop last until their margin is over; others end at the frame nearest to the moment.
     plan.frames = 1 + std::max(1, static_cast<int>(stops() ? std::floor(end_s * guide_.frame_rate_hz) : std::lround(end_s * guide_.frame_rate_hz)));
-    plan.places.push_back(nodes_[walk].next);
-    plan.along_m.push_back(nodes_[walk].along);
-    for (int i = walk; i >= 0; i = nodes_[i].parent) {
-      plan.steps.push_back(nodes_[i].step);
-      plan.places.push_back(nodes_[i].place);
-      plan.along_m.push_back(nodes_[i].parent >= 0 ? nodes_[nodes_[i].parent].along : 0);
+    plan.places.push_back(walk->next);
+    plan.along_m.push_back(walk->along);
+    for (const Node* node = walk.get(); node; node = node->before.get()) {
+      plan.steps.push_back(node->step);
+      plan.places.push_back(node->place);
+      plan.along_m.push_back(node->before ? node->before->along : 0);
     }
     std::reverse(plan.steps.begin(), plan.steps.end());
     std::reverse(plan.places.begin(), plan.places.end());
@@ -320,8 +312,7 @@ class Search {
   int effort_;
   KinematicsCache& kinematics_;
   std::mt19937_64& rng_;
-  std::vector<Node> nodes_;
-  std::vector<int> finished_;
+  Walk finished_;  // the best of those that are over
 };
 
 }  // namespace

@@ -239,8 +239,8 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
   }
   if (clips.size() >= 5) {
     const morphograph::SetQuality a = MeasureSet(clips), b = MeasureSet(free);
-    std::printf("  steered / not: contact %.2f, skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
-                a.contact_distance_m / b.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
+    std::printf("  steered / not: contact %.2f (%.2f mm), skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
+                a.contact_distance_m / b.contact_distance_m, 1000 * a.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
                 a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3, a.min_knee_flexion_deg, b.min_knee_flexion_deg);
   }
 }

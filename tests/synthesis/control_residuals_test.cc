@@ -80,6 +80,11 @@ TEST_F(ControlResidual, FirstStepAndStart) {
   Check(StartResidual({0, 0, 1, 0}, {0.1, 0.1, 0.2, 1e-3}), {place_});
 }
 
+TEST_F(ControlResidual, Radius) {
+  Check(RadiusResidual(static_cast<int>(w(0).size()), 0.5 * w(0).norm(), 0.1), {w(0)});
+  Check(RadiusResidual(static_cast<int>(w(0).size()), 2 * w(0).norm() + 1, 0.1), {w(0)});
+}
+
 TEST_F(ControlResidual, NextPlace) {
   const KeyframePlace next = steps_[0]->Next(w(0), place_).value;
   Check(NextPlaceResidual(steps_[0], &offset_), {w(0), place_, next});
