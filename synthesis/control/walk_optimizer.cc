@@ -31,7 +31,7 @@ constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of 
 constexpr double kReachSpare_m = 0.02;     // past what an arm did not reach
 constexpr bool kAllAxes[3] = {true, true, true};
 // Norms of latents, in the largest of the training: how far outside of it they are likely to be moved, and how far at most.
-constexpr double kRadius = 0.02, kFarthest = 1.15;
+constexpr double kRadius = 0.02, kFarthest = 0.15;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
 constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
@@ -366,12 +366,13 @@ class Optimizer {
   // Steps that were moved farther out than anything captured go back towards the plan: a walk that would need them cannot be had.
   void KeepBelievable() {
     for (size_t k = 0; k < steps_.size(); ++k) {
-      const double radius = kFarthest * graph_.primitive(steps_[k].primitive).latent_radius;
+      const double radius = graph_.primitive(steps_[k].primitive).latent_radius;
       const Eigen::VectorXd& planned = steps_[k].whitened;
-      if (!(radius > 0) || latents_[k].norm() <= std::max(radius, planned.norm())) continue;
-      // The point between plan and solution where the norm is the radius (the plan's own, where that is farther out).
+      // Steps after a start lie far out as they are drawn.
+      const double limit = std::max(radius, planned.norm()) + kFarthest * radius;
+      if (!(radius > 0) || latents_[k].norm() <= limit) continue;
+      // The point between plan and solution where the norm is at its limit.
       const Eigen::VectorXd moved = latents_[k] - planned;
-      const double limit = std::max(radius, planned.norm());
       const double a = moved.squaredNorm(), b = planned.dot(moved), c = planned.squaredNorm() - limit * limit;
       const double part = std::clamp((-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, 0.0, 1.0);
       latents_[k] = planned + part * moved;
