@@ -1,5 +1,6 @@
 #include "synthesis/control/steered_synthesis.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <numbers>
@@ -45,7 +46,10 @@ std::string Why(const ControlOutcome& outcome) {
 // Moments past a clip's end cannot be met, and must not be taken for its last frame.
 void CheckMoments(const ControlProblem& problem, const WalkPlan& plan) {
   const double end_s = (plan.frames - 0.5) / problem.frame_rate_hz;
-  const int last = static_cast<int>(plan.steps.size());
+  // Steps past the end are there for the last cross-fade only; a clip of whole steps ends within a frame after the last.
+  const double all_s = plan.frames / problem.frame_rate_hz;
+  const auto within = std::count_if(plan.places.begin(), plan.places.end(), [&](const KeyframePlace& place) { return place[kPlaceTime] < all_s; });
+  const int last = static_cast<int>(within) - 1;
   std::vector<UnmetField> unmet;
   const auto time = [&](const std::string& pointer, double value) {
     if (value > end_s) unmet.push_back({pointer, "the clip ends at " + Quantity((plan.frames - 1) / problem.frame_rate_hz, "s")});

@@ -111,8 +111,13 @@ class Optimizer {
  private:
   double rate() const { return problem_.frame_rate_hz; }
   bool stops() const { return problem_.guide.to != WalkBoundary::kWalking; }
-  // When the clip is over: of walks that stop, at the end of their last step.
-  double EndTime() const { return stops() ? places_.back()[kPlaceTime] : (frames_ - 1) / rate(); }
+  // The key frame that a clip ends at, or, where the walk stops, after; none where a time or a place on the path ends it.
+  std::optional<size_t> LastKeyframe() const {
+    if (stops()) return steps_.size();
+    if (problem_.guide.steps) return std::min(steps_.size(), static_cast<size_t>(*problem_.guide.steps));
+    return std::nullopt;
+  }
+  double EndTime() const { return LastKeyframe() ? places_[*LastKeyframe()][kPlaceTime] : (frames_ - 1) / rate(); }
 
   size_t StepAt(double time_s) const {
     size_t k = 0;
@@ -228,7 +233,7 @@ class Optimizer {
     }
     if (problem_.goal_m) {
       Place at = PlaceOfTime(end);
-      if (stops()) at = {steps_.size() - 1, {false, 1}, frames_ - 1};
+      if (const auto keyframe = LastKeyframe()) at = {*keyframe - 1, {false, 1}, frames_ - 1};
       const double tolerance = control.goal ? control.goal->tolerance_m : control.path->tolerance_m;
       Eigen::Vector3d deviation(kTight * tolerance, kTight * tolerance, kFree);
       double heading = 0;
@@ -390,9 +395,10 @@ class Optimizer {
       result_.walk.steps.push_back({step, std::move(shape), time, time + length});
       time += length;
     }
-    if (stops()) {
-      const DrawnStep& last = result_.walk.steps.back();
-      frames_ = static_cast<int>(std::floor(last.end + MarginAfter(last.shape) * (last.end - last.start))) + 1;
+    if (const auto keyframe = LastKeyframe()) {
+      const DrawnStep& last = result_.walk.steps[*keyframe - 1];
+      const double margin = stops() ? MarginAfter(last.shape) * (last.end - last.start) : 0;
+      frames_ = static_cast<int>(std::floor(last.end + margin)) + 1;
     }
     result_.walk.frames = frames_;
     if (problem_.guide.free_heading) result_.start.heading_rad = places_[0][kPlaceHeading];

@@ -292,8 +292,8 @@ class Search {
       }
     }
     WalkPlan plan;
-    // Walks that stop last until their margin is over; others end at the frame nearest to the moment.
-    plan.frames = 1 + std::max(1, static_cast<int>(stops() ? std::floor(end_s * guide_.frame_rate_hz) : std::lround(end_s * guide_.frame_rate_hz)));
+    // Steps that were asked for are not begun anew; walks that stop last until their margin is over; others end at the frame nearest to the moment.
+    plan.frames = 1 + std::max(1, static_cast<int>(stops() || guide_.steps ? std::floor(end_s * guide_.frame_rate_hz) : std::lround(end_s * guide_.frame_rate_hz)));
     plan.places.push_back(walk->next);
     plan.along_m.push_back(walk->along);
     for (const Node* node = walk.get(); node; node = node->before.get()) {

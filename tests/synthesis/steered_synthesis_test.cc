@@ -167,6 +167,18 @@ TEST(SteeredSynthesis, IsReproducibleAndVaried) {
   EXPECT_GT(apart, 0.02);
 }
 
+TEST(SteeredSynthesis, KnowsTheKeyFramesOfTheClip) {
+  SynthesisRequest request = Request(1);
+  request.steps = 6;
+  request.control.constraints = {HeadingTerm{.at = {.keyframe = 6}, .value_rad = 0.3}};
+  const SynthesisResult result = Synthesize(Model(), request);
+  ExpectAllMet(result, 1);
+  EXPECT_EQ(result.report.steps.size(), 6u);
+  EXPECT_NEAR(HeadingRad(result.clip, result.clip.frame_count() - 1), 0.3, 0.1) << "the sixth step ends with the clip";
+  request.control.constraints = {HeadingTerm{.at = {.keyframe = 7}, .value_rad = 0.3}};
+  EXPECT_EQ(Refused(request), std::vector<std::string>{"/constraints/0/keyframe"});
+}
+
 struct Hopeless {
   const char* pointer;
   std::function<void(SynthesisRequest*)> ask;
