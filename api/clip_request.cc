@@ -1,16 +1,15 @@
 #include "api/clip_request.h"
 
-#include <algorithm>
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <limits>
 #include <nlohmann/json.hpp>
 #include <numbers>
 #include <stdexcept>
 
 #include "api/json_guard.h"
-#include "api/problem.h"
+#include "api/request/control_checks.h"
+#include "api/request/control_reader.h"
+#include "api/request/control_writer.h"
 
 namespace morphograph {
 namespace {
@@ -20,131 +19,17 @@ using nlohmann::json;
 constexpr double kMaxHeading_deg = 1e6;
 
 // Fields of the contract that come with later releases.
-constexpr std::array<std::string_view, 9> kFutureFields = {"goal",    "path",     "speed", "constraints", "sensors",
-                                                           "markers", "keep_out", "count", "input"};
+const std::vector<std::string_view> kFutureFields = {"sensors", "markers", "input"};
 
-std::string Number(double value) { return json(value).dump(); }
-
-// Collects what is wrong; malformed fields (400) outrank values that cannot be met (422).
-class Findings {
- public:
-  void Malformed(std::string pointer, std::string detail) {
-    malformed_ = true;
-    errors_.push_back({std::move(pointer), std::move(detail)});
-  }
-  void Unmeetable(std::string pointer, std::string detail) {
-    errors_.push_back({std::move(pointer), std::move(detail)});
-  }
-  bool any() const { return !errors_.empty(); }
-  bool full() const { return errors_.size() >= kMost; }
-  void ThrowIfAny() const {
-    if (errors_.empty()) return;
-    Problem problem;
-    problem.status = malformed_ ? 400 : 422;
-    problem.detail = malformed_ ? "the clip request is malformed" : "the clip request cannot be met";
-    problem.errors = errors_;
-    throw ProblemError(std::move(problem));
-  }
-
- private:
-  static constexpr std::size_t kMost = 20;
-  bool malformed_ = false;
-  std::vector<FieldError> errors_;
-};
-
-// Typed access to the members of one object; whatever is not asked for is unknown.
-class ObjectReader {
- public:
-  ObjectReader(const json& object, std::string pointer, Findings* findings)
-      : object_(object), pointer_(std::move(pointer)), findings_(findings) {}
-
-  /// The member, or null when it is absent.
-  const json* Take(std::string_view name) {
-    known_.push_back(name);
-    const auto found = object_.find(name);
-    return found == object_.end() ? nullptr : &*found;
-  }
-  std::string At(std::string_view name) const { return PointerTo(pointer_, name); }
-
-  std::optional<double> Finite(std::string_view name) {
-    const json* value = Take(name);
-    if (!value) return std::nullopt;
-    if (!value->is_number()) {
-      findings_->Malformed(At(name), std::string("must be a number, not ") + value->type_name());
-      return std::nullopt;
-    }
-    return value->get<double>();  // the parser has refused numbers past a double's range
-  }
-
-  std::optional<std::string> Text(std::string_view name) {
-    const json* value = Take(name);
-    if (!value) return std::nullopt;
-    if (!value->is_string()) {
-      findings_->Malformed(At(name), std::string("must be a string, not ") + value->type_name());
-      return std::nullopt;
-    }
-    const auto& text = value->get_ref<const std::string&>();
-    if (text.empty() || text.size() > 200) {
-      findings_->Malformed(At(name), "must have 1 to 200 bytes");
-      return std::nullopt;
-    }
-    return text;
-  }
-
-  /// A nested object, or null when it is absent or not an object.
-  const json* Object(std::string_view name) {
-    const json* value = Take(name);
-    if (value && !value->is_object()) {
-      findings_->Malformed(At(name), std::string("must be an object, not ") + value->type_name());
-      return nullptr;
-    }
-    return value;
-  }
-
-  /// Whatever was not taken is an error.
-  void RefuseOthers(bool top_level) {
-    for (const auto& item : object_.items()) {
-      if (findings_->full()) return;
-      if (std::find(known_.begin(), known_.end(), item.key()) != known_.end()) continue;
-      const bool future =
-          top_level && std::find(kFutureFields.begin(), kFutureFields.end(), item.key()) != kFutureFields.end();
-      findings_->Malformed(At(item.key()), future ? "this field does not exist yet in this version" : "unknown field");
-    }
-  }
-
- private:
-  const json& object_;
-  std::string pointer_;
-  Findings* findings_;
-  std::vector<std::string_view> known_;
-};
-
-void ReadSeed(ObjectReader* reader, Findings* findings, ClipRequest* request) {
+void ReadSeed(ObjectReader* reader, ClipRequest* request) {
   const json* value = reader->Take("seed");
   if (!value) return;
   // 2^64 and above, fractions and exponents all arrive as floating point, -1 as a signed integer.
   if (!value->is_number_unsigned()) {
-    findings->Malformed(reader->At("seed"), "must be an integer from 0 to 18446744073709551615");
+    reader->findings()->Malformed(reader->At("seed"), "must be an integer from 0 to 18446744073709551615");
     return;
   }
   request->seed = value->get<std::uint64_t>();
-}
-
-void ReadSteps(ObjectReader* reader, Findings* findings, ClipRequest* request) {
-  const json* value = reader->Take("steps");
-  if (!value) return;
-  if (!value->is_number_integer()) {
-    findings->Malformed(reader->At("steps"), "must be an integer");
-    return;
-  }
-  // Clamped, since an int cannot hold every JSON integer; CheckClipRequest refuses both ends.
-  constexpr int kTooMany = std::numeric_limits<int>::max();
-  if (value->is_number_unsigned()) {
-    const auto steps = value->get<std::uint64_t>();
-    request->steps = steps > static_cast<std::uint64_t>(kTooMany) ? kTooMany : static_cast<int>(steps);
-  } else {
-    request->steps = 0;
-  }
 }
 
 // "walking", "slow_step" or "standing".
@@ -157,16 +42,10 @@ WalkBoundary ReadBoundary(std::string_view name, ObjectReader* reader, Findings*
 
 void ReadStart(const json& object, Findings* findings, ClipRequest* request) {
   ObjectReader reader(object, "/start", findings);
-  if (const json* position = reader.Take("position")) {
-    if (!position->is_array() || position->size() != 2 || !(*position)[0].is_number() || !(*position)[1].is_number()) {
-      findings->Malformed("/start/position", "must be two numbers, [x, z] in metres");
-    } else {
-      for (int axis = 0; axis < 2; ++axis) request->start_position_m[axis] = (*position)[axis].get<double>();
-    }
-  }
-  if (const auto heading = reader.Finite("heading")) request->start_heading_deg = *heading;
+  request->start_position_m = reader.FloorPoint("position");
+  request->start_heading_deg = reader.Finite("heading");
   request->start_from = ReadBoundary("from", &reader, findings);
-  reader.RefuseOthers(/*top_level=*/false);
+  reader.RefuseOthers();
 }
 
 void ReadOutput(const json& object, Findings* findings, ClipRequest* request) {
@@ -192,7 +71,22 @@ void ReadOutput(const json& object, Findings* findings, ClipRequest* request) {
       findings->Malformed("/output/unit", "must be \"m\", \"cm\" or \"source\"");
     }
   }
-  reader.RefuseOthers(/*top_level=*/false);
+  reader.RefuseOthers();
+}
+
+// How long a clip will be, roughly where that is not said: at an easy walk along the way that is asked for.
+double ExpectedDuration_s(const ClipRequest& request) {
+  if (request.duration_s) return *request.duration_s;
+  if (request.steps) return *request.steps;
+  const ControlTerms& control = request.control;
+  if (control.goal && control.goal->time_s) return *control.goal->time_s;
+  double way_m = 0;
+  if (control.path) {
+    way_m = LineLength(control.path->points_m);
+  } else if (control.goal) {
+    way_m = (control.goal->position_m - request.start_position_m.value_or(Eigen::Vector2d::Zero())).norm();
+  }
+  return std::max(5.0, way_m / 1.3);
 }
 
 void CheckExtent(const ClipRequest& request, Findings* findings) {
@@ -201,7 +95,7 @@ void CheckExtent(const ClipRequest& request, Findings* findings) {
     if (!(*request.duration_s > 0)) {
       findings->Malformed("/duration", "must be above 0 seconds");
     } else if (*request.duration_s > kMaxDuration_s) {
-      findings->Unmeetable("/duration", "at most " + Number(kMaxDuration_s) + " seconds can be made");
+      findings->Unmeetable("/duration", "at most " + NumberText(kMaxDuration_s) + " seconds can be made");
     }
   }
   if (request.steps) {
@@ -215,31 +109,30 @@ void CheckExtent(const ClipRequest& request, Findings* findings) {
     if (!(*request.output.frame_rate_hz > 0)) {
       findings->Malformed("/output/frame_rate", "must be above 0 frames per second");
     } else if (*request.output.frame_rate_hz < kMinFrameRate_hz) {
-      findings->Unmeetable("/output/frame_rate", "at least " + Number(kMinFrameRate_hz) + " frame per second");
+      findings->Unmeetable("/output/frame_rate", "at least " + NumberText(kMinFrameRate_hz) + " frame per second");
     } else if (*request.output.frame_rate_hz > kMaxFrameRate_hz) {
-      findings->Unmeetable("/output/frame_rate", "at most " + Number(kMaxFrameRate_hz) + " frames per second");
+      findings->Unmeetable("/output/frame_rate", "at most " + NumberText(kMaxFrameRate_hz) + " frames per second");
     }
   }
   if (findings->any()) return;
   // A step takes about half a second; a slow one stays below one.
-  const double seconds = request.duration_s ? *request.duration_s : request.steps ? double{1.0 * *request.steps} : 5.0;
+  const double seconds = ExpectedDuration_s(request);
   const double rate_hz = request.output.frame_rate_hz.value_or(30);
   if (seconds * rate_hz > kMaxFrames) {
-    findings->Unmeetable(request.duration_s ? "/duration" : "/steps",
-                         "a clip has at most " + std::to_string(kMaxFrames) + " frames; at " + Number(rate_hz) +
-                             " frames per second at most " + Number(std::floor(kMaxFrames / rate_hz)) + " seconds");
+    const bool by_way = !request.duration_s && !request.steps;
+    findings->Unmeetable(request.duration_s ? "/duration" : request.steps ? "/steps" : request.control.path ? "/path/points" : "/goal",
+                         "a clip has at most " + std::to_string(kMaxFrames) + " frames; at " + NumberText(rate_hz) +
+                             " frames per second at most " + NumberText(std::floor(kMaxFrames / rate_hz)) + " seconds" +
+                             (by_way ? ", and this way takes about " + NumberText(std::round(seconds)) : ""));
   }
 }
 
 void CheckStart(const ClipRequest& request, Findings* findings) {
-  for (const double metres : request.start_position_m) {
-    if (!(std::abs(metres) <= kMaxStartDistance_m)) {
-      findings->Unmeetable("/start/position", "at most " + Number(kMaxStartDistance_m) + " m from the origin");
-      break;
-    }
-  }
-  if (!(std::abs(request.start_heading_deg) <= kMaxHeading_deg))
-    findings->Unmeetable("/start/heading", "at most " + Number(kMaxHeading_deg) + " degrees either way");
+  // Again, since command line flags come here without a reader.
+  if (request.start_position_m && !(request.start_position_m->cwiseAbs().maxCoeff() <= kMaxStartDistance_m))
+    findings->Unmeetable("/start/position", "at most " + NumberText(kMaxStartDistance_m) + " m from the origin");
+  if (!(std::abs(request.start_heading_deg.value_or(0)) <= kMaxHeading_deg))
+    findings->Unmeetable("/start/heading", "at most " + NumberText(kMaxHeading_deg) + " degrees either way");
 }
 
 void Check(const ClipRequest& request, const ClipRequestRules& rules, Findings* findings) {
@@ -247,11 +140,13 @@ void Check(const ClipRequest& request, const ClipRequestRules& rules, Findings* 
     findings->Malformed("/model", "required: the name of a model that is served");
   CheckExtent(request, findings);
   CheckStart(request, findings);
+  if (findings->any()) return;  // of a malformed request nothing more can be said
+  ClipExtent extent{request.duration_s, request.steps, request.start_position_m};
+  if (!extent.start_m && !request.control.path) extent.start_m = Eigen::Vector2d::Zero();
+  CheckControlTerms(request.control, extent, findings);
 }
 
-}  // namespace
-
-ClipRequest ParseClipRequest(std::string_view text, const ClipRequestRules& rules) {
+ClipRequest ParseFields(std::string_view text, const ClipRequestRules& rules, int* count) {
   const json body = ParseUntrustedJson(text);
   Findings findings;
   ClipRequest request;
@@ -261,16 +156,33 @@ ClipRequest ParseClipRequest(std::string_view text, const ClipRequestRules& rule
   }
   ObjectReader reader(body, "", &findings);
   request.model = reader.Text("model").value_or("");
-  ReadSeed(&reader, &findings, &request);
+  ReadSeed(&reader, &request);
   request.style = reader.Text("style");
   request.duration_s = reader.Finite("duration");
-  ReadSteps(&reader, &findings, &request);
+  request.steps = reader.Whole("steps", 1, kMaxSteps);
   if (const json* start = reader.Object("start")) ReadStart(*start, &findings, &request);
   request.end = ReadBoundary("end", &reader, &findings);
+  ReadControlTerms(&reader, &request.control);
   if (const json* output = reader.Object("output")) ReadOutput(*output, &findings, &request);
-  reader.RefuseOthers(/*top_level=*/true);
+  if (count) {
+    const auto asked = reader.Required("count", reader.Whole("count", 1, kMaxVariants), "how many variants");
+    *count = asked.value_or(1);
+  } else if (reader.Take("count")) {
+    findings.Malformed("/count", "belongs to POST /v1/variants; here one clip is made");
+  }
+  reader.RefuseOthers(kFutureFields);
   Check(request, rules, &findings);
   findings.ThrowIfAny();
+  return request;
+}
+
+}  // namespace
+
+ClipRequest ParseClipRequest(std::string_view text, const ClipRequestRules& rules) { return ParseFields(text, rules, nullptr); }
+
+VariantsRequest ParseVariantsRequest(std::string_view text) {
+  VariantsRequest request;
+  request.clip = ParseFields(text, {}, &request.count);
   return request;
 }
 
@@ -287,11 +199,14 @@ std::string CanonicalJson(const ClipRequest& request) {
   if (request.style) out["style"] = *request.style;
   if (request.duration_s) out["duration"] = *request.duration_s;
   if (request.steps) out["steps"] = *request.steps;
-  const double* position_m = request.start_position_m;
-  if (position_m[0] != 0 || position_m[1] != 0) out["start"]["position"] = {position_m[0], position_m[1]};
-  if (request.start_heading_deg != 0) out["start"]["heading"] = request.start_heading_deg;
+  // Where there is a way to go, a start that is given is not the same as one left open, even at 0.
+  const bool has_way = request.control.path || request.control.goal;
+  const auto position_m = request.start_position_m;
+  if (position_m && (has_way || *position_m != Eigen::Vector2d::Zero())) out["start"]["position"] = {position_m->x(), position_m->y()};
+  if (const auto heading_deg = request.start_heading_deg; heading_deg && (has_way || *heading_deg != 0)) out["start"]["heading"] = *heading_deg;
   if (request.start_from != WalkBoundary::kWalking) out["start"]["from"] = WalkBoundaryName(request.start_from);
   if (request.end != WalkBoundary::kWalking) out["end"] = WalkBoundaryName(request.end);
+  WriteControlTerms(request.control, &out);
   if (request.output.frame_rate_hz) out["output"]["frame_rate"] = *request.output.frame_rate_hz;
   if (request.output.channels == OutputChannels::kSource) out["output"]["channels"] = "source";
   if (request.output.unit != OutputUnit::kSource)
@@ -306,10 +221,12 @@ SynthesisRequest ToSynthesisRequest(const ClipRequest& request) {
   out.style = request.style;
   out.duration_s = request.duration_s;
   out.steps = request.steps;
-  out.start.position_m = {request.start_position_m[0], request.start_position_m[1]};
-  out.start.heading_rad = request.start_heading_deg * std::numbers::pi / 180.0;
+  out.start.position_m = request.start_position_m.value_or(Eigen::Vector2d::Zero());
+  out.start.heading_rad = request.start_heading_deg.value_or(0) * std::numbers::pi / 180.0;
+  out.start_given = {.position = request.start_position_m.has_value(), .heading = request.start_heading_deg.has_value()};
   out.start_from = request.start_from;
   out.end = request.end;
+  out.control = request.control;
   out.frame_rate_hz = request.output.frame_rate_hz;
   return out;
 }

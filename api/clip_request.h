@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -19,22 +20,26 @@ struct OutputFormat {
   OutputUnit unit = OutputUnit::kSource;
 };
 
-/// A clip request (CONTRACT.md, "Clip request") as the client wrote it: metres, seconds, degrees.
+/// A clip request (CONTRACT.md, "Clip request") as the client wrote it: metres, seconds, and degrees but for `control`.
 struct ClipRequest {
   std::string model;  // empty only where the caller has one already
   std::optional<std::uint64_t> seed;
   std::optional<std::string> style;
   std::optional<double> duration_s;
   std::optional<int> steps;
-  double start_position_m[2] = {0, 0};  // x, z
-  double start_heading_deg = 0;
+  std::optional<Eigen::Vector2d> start_position_m;  // x, z; the origin, or with a path its first point, when empty
+  std::optional<double> start_heading_deg;          // 0, or with a path or a goal along the way, when empty
   WalkBoundary start_from = WalkBoundary::kWalking;
   WalkBoundary end = WalkBoundary::kWalking;
+  ControlTerms control;  // radians, as the synthesiser takes them
   OutputFormat output;
 };
 
 /// Longest clip served, in frames at whatever rate was asked for; other bounds are the synthesiser's (synthesis_types.h).
 inline constexpr int kMaxFrames = 40'000;
+
+/// Most variants of one request.
+inline constexpr int kMaxVariants = 1000;
 
 struct ClipRequestRules {
   bool model_required = true;  // false where a model is given by other means
@@ -46,6 +51,15 @@ struct ClipRequestRules {
 /// @throws ProblemError: 400 when malformed (not JSON, unknown field, wrong type), 422 when well formed but outside
 ///   what can be made, with the nearest value that could.
 ClipRequest ParseClipRequest(std::string_view json, const ClipRequestRules& rules = {});
+
+/// A request for variants: a clip request with "count".
+struct VariantsRequest {
+  ClipRequest clip;
+  int count = 1;  // 1 to kMaxVariants
+};
+
+/// As ParseClipRequest(), which takes no "count".
+VariantsRequest ParseVariantsRequest(std::string_view json);
 
 /// The same checks on a request that was put together otherwise (command line flags).
 void CheckClipRequest(const ClipRequest& request, const ClipRequestRules& rules = {});

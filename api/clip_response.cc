@@ -5,6 +5,7 @@
 #include <random>
 
 #include "api/content_hash.h"
+#include "api/request/angles.h"
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
 
@@ -18,6 +19,20 @@ double Decimals5(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
 
 ordered_json Point(const Eigen::Vector2d& position_m) {
   return ordered_json::array({Decimals5(position_m.x()), Decimals5(position_m.y())});
+}
+
+ordered_json ConstraintsJson(const std::vector<ControlOutcome>& outcomes) {
+  ordered_json list = ordered_json::array();
+  for (const ControlOutcome& outcome : outcomes) {
+    ordered_json& json = list.emplace_back(ordered_json::object());
+    if (outcome.index) json["index"] = *outcome.index;
+    json["pointer"] = outcome.pointer;
+    json["met"] = outcome.met;
+    const bool is_angle = outcome.unit == "rad";
+    json["residual"] = Decimals5(is_angle ? DegreesFromRadians(outcome.residual) : outcome.residual);
+    json["unit"] = is_angle ? "deg" : outcome.unit;
+  }
+  return list;
 }
 
 // A JSON string. BVH is nearly always printable ASCII and line ends, which need no look at each byte's encoding; anything
@@ -93,7 +108,7 @@ std::string ReportJson(const SynthesisReport& report) {
   json["contacts"] = ContactsJson(report.contacts);
   auto& path = json["path"] = ordered_json::array();
   for (const Eigen::Vector2d& point : report.path_m) path.push_back(Point(point));
-  json["constraints"] = ordered_json::array();
+  json["constraints"] = ConstraintsJson(report.constraints);
   json["quality"] = QualityJson(report.quality);
   return json.dump();
 }

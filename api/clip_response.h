@@ -16,7 +16,7 @@ std::string ClipId(const std::string& model_hash, const ClipRequest& request);
 /// BVH text of a clip in the form asked for.
 std::string ClipBvh(const MotionClip& clip, const OutputFormat& output);
 
-/// The report of CONTRACT.md. Lengths are rounded to 0.01 mm.
+/// The report of CONTRACT.md. Lengths are rounded to 0.01 mm, angles are degrees.
 std::string ReportJson(const SynthesisReport& report);
 
 /// `{"bvh": …, "report": …}` from the two texts.

@@ -3,15 +3,19 @@
 namespace morphograph {
 
 void ClipStore::Put(const std::string& id, Entry entry) {
+  // A number takes eight bytes, and its text two or more.
+  const std::size_t bytes = 1000 + 4 * CanonicalJson(entry.request).size();
   const std::lock_guard lock(mutex_);
   if (const auto known = by_id_.find(id); known != by_id_.end()) {
     by_use_.splice(by_use_.begin(), by_use_, known->second);
     return;
   }
-  by_use_.emplace_front(id, std::move(entry));
+  by_use_.push_front({id, std::move(entry), bytes});
   by_id_[id] = by_use_.begin();
-  if (by_use_.size() > capacity_) {
-    by_id_.erase(by_use_.back().first);
+  bytes_ += bytes;
+  while (by_use_.size() > capacity_ || bytes_ > capacity_bytes_) {
+    bytes_ -= by_use_.back().bytes;
+    by_id_.erase(by_use_.back().id);
     by_use_.pop_back();
   }
 }
@@ -21,7 +25,12 @@ std::optional<ClipStore::Entry> ClipStore::Get(const std::string& id) {
   const auto known = by_id_.find(id);
   if (known == by_id_.end()) return std::nullopt;
   by_use_.splice(by_use_.begin(), by_use_, known->second);
-  return known->second->second;
+  return known->second->entry;
+}
+
+std::size_t ClipStore::bytes() const {
+  const std::lock_guard lock(mutex_);
+  return bytes_;
 }
 
 std::size_t ClipStore::size() const {

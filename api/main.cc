@@ -52,7 +52,10 @@ int main(int argc, char** argv) {
   } catch (const ProblemError& error) {
     return Fail(1, ProblemLine(error.problem()));
   } catch (const UnsatisfiableRequest& error) {
-    return Fail(1, error.pointer().empty() ? error.what() : error.pointer() + ": " + error.what());
+    std::string why;
+    for (const UnmetField& field : error.unmet())
+      why += (why.empty() ? "" : "; ") + field.pointer + (field.pointer.empty() ? "" : ": ") + field.detail;
+    return Fail(1, why);
   } catch (const std::bad_alloc&) {
     return Fail(1, "out of memory");
   } catch (const std::exception& error) {

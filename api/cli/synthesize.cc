@@ -54,8 +54,7 @@ ClipRequest RequestFrom(const SynthesizeFlags& flags) {
   }
   if (flags.style) request.style = flags.style;
   if (flags.heading_deg) request.start_heading_deg = *flags.heading_deg;
-  for (std::size_t axis = 0; axis < flags.position_m.size(); ++axis)
-    request.start_position_m[axis] = flags.position_m[axis];
+  if (!flags.position_m.empty()) request.start_position_m = Eigen::Vector2d(flags.position_m[0], flags.position_m[1]);
   if (flags.start_from) request.start_from = ParseWalkBoundary(*flags.start_from).value();
   if (flags.end) request.end = ParseWalkBoundary(*flags.end).value();
   if (flags.frame_rate_hz) request.output.frame_rate_hz = flags.frame_rate_hz;

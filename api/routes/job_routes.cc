@@ -4,6 +4,7 @@
 #include "api/json_guard.h"
 #include "api/multipart.h"
 #include "api/problem.h"
+#include "api/request/object_reader.h"
 #include "api/routes.h"
 #include "api/training_service.h"
 
@@ -35,23 +36,16 @@ HttpResponse JobResponse(int status, const Job& job) {
 
 void ReadSettings(std::string_view text, TrainingUpload* upload) {
   const nlohmann::json settings = ParseUntrustedJson(text);
-  Problem problem{400, "the settings are malformed", {}, {}, {}};
+  Findings findings("the part 'settings'");
   if (!settings.is_object()) {
-    problem.errors.push_back({"", "must be an object"});
-    throw ProblemError(std::move(problem));
+    findings.Malformed("", "must be an object");
+    findings.ThrowIfAny();
   }
-  for (const auto& item : settings.items()) {
-    const bool known = item.key() == "name" || item.key() == "action";
-    if (!known) {
-      problem.errors.push_back({PointerTo("", item.key()), "unknown field"});
-    } else if (!item.value().is_string()) {
-      problem.errors.push_back({PointerTo("", item.key()), "must be a string"});
-    } else {
-      (item.key() == "name" ? upload->name : upload->action) = item.value().get<std::string>();
-    }
-    if (problem.errors.size() >= 20) break;
-  }
-  if (!problem.errors.empty()) throw ProblemError(std::move(problem));
+  ObjectReader reader(settings, "", &findings);
+  upload->name = reader.Text("name").value_or(upload->name);
+  upload->action = reader.Text("action").value_or(upload->action);
+  reader.RefuseOthers();
+  findings.ThrowIfAny();
 }
 
 HttpResponse SubmitTraining(Service* service, const HttpRequest& request) {

@@ -27,6 +27,19 @@ TEST(ClipStore, TheOneUnusedForLongestGoesFirst) {
   EXPECT_TRUE(store.Get("b"));
 }
 
+TEST(ClipStore, LongRequestsMakeRoomForFewerOthers) {
+  ClipStore store(1000, 1'000'000);
+  ClipStore::Entry entry = EntryOf(1);
+  entry.request.control.path.emplace().points_m.resize(1000, {1.0 / 3, 1.5});
+  for (int i = 0; i < 100; ++i) store.Put("path" + std::to_string(i), entry);
+  EXPECT_LE(store.bytes(), 1'000'000u);
+  EXPECT_LT(store.size(), 30u);
+  EXPECT_TRUE(store.Get("path99"));
+  store.Put("a", EntryOf(2));
+  EXPECT_TRUE(store.Get("a"));
+  EXPECT_EQ(store.Get("path99")->request.control.path->points_m.size(), 1000u);
+}
+
 TEST(ClipId, NamesModelAndRequestNotTheModelsName) {
   ClipRequest a = EntryOf(1).request;
   ClipRequest b = a;
