@@ -1,11 +1,11 @@
 #include "api/clip_response.h"
 
 #include <algorithm>
-#include <cmath>
 #include <random>
 
 #include "api/content_hash.h"
 #include "api/request/angles.h"
+#include "api/rounded_json.h"
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
 
@@ -13,13 +13,6 @@ namespace morphograph {
 namespace {
 
 using nlohmann::ordered_json;
-
-// Shorter numbers: dividing by a whole number gives the double nearest to the decimal ("0.04"); + 0.0 turns -0 into 0.
-double Decimals5(double value) { return std::round(value * 1e5) / 1e5 + 0.0; }
-
-ordered_json Point(const Eigen::Vector2d& position_m) {
-  return ordered_json::array({Decimals5(position_m.x()), Decimals5(position_m.y())});
-}
 
 ordered_json ConstraintsJson(const std::vector<ControlOutcome>& outcomes) {
   ordered_json list = ordered_json::array();
@@ -30,6 +23,7 @@ ordered_json ConstraintsJson(const std::vector<ControlOutcome>& outcomes) {
     json["met"] = outcome.met;
     const bool is_angle = outcome.unit == "rad";
     json["residual"] = Decimals5(is_angle ? DegreesFromRadians(outcome.residual) : outcome.residual);
+    json["tolerance"] = Decimals5(is_angle ? DegreesFromRadians(outcome.tolerance) : outcome.tolerance);
     json["unit"] = is_angle ? "deg" : outcome.unit;
   }
   return list;
@@ -87,7 +81,7 @@ ordered_json ContactsJson(const std::vector<PlantedFoot>& contacts) {
     json.push_back({{"foot", FootName(contact.interval.foot)},
                     {"from", contact.interval.first},
                     {"to", contact.interval.last},
-                    {"position", Point(contact.position_m)}});
+                    {"position", FloorPointJson(contact.position_m)}});
   }
   return json;
 }
@@ -107,7 +101,7 @@ std::string ReportJson(const SynthesisReport& report) {
   }
   json["contacts"] = ContactsJson(report.contacts);
   auto& path = json["path"] = ordered_json::array();
-  for (const Eigen::Vector2d& point : report.path_m) path.push_back(Point(point));
+  for (const Eigen::Vector2d& point : report.path_m) path.push_back(FloorPointJson(point));
   json["constraints"] = ConstraintsJson(report.constraints);
   json["quality"] = QualityJson(report.quality);
   return json.dump();

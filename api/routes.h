@@ -17,6 +17,7 @@ std::vector<Route> AllRoutes(Service* service);
 
 // The parts, a file each.
 std::vector<Route> ClipRoutes(Service* service);
+std::vector<Route> VariantRoutes(Service* service);
 std::vector<Route> EvaluationRoutes(Service* service);
 std::vector<Route> ModelRoutes(Service* service);
 std::vector<Route> JobRoutes(Service* service);

@@ -125,8 +125,9 @@ class BodyBudget {
 
 // One request and what became of it; lives on the stack of its connection's thread.
 struct Exchange {
-  explicit Exchange(std::atomic<std::size_t>* body_bytes) : budget(body_bytes) {}
+  Exchange(std::atomic<std::size_t>* body_bytes, internal::SocketStream* the_socket) : socket(the_socket), budget(body_bytes) {}
 
+  internal::SocketStream* socket;
   internal::HttpHead head;
   const Route* route = nullptr;
   std::vector<std::string> arguments;
@@ -135,6 +136,38 @@ struct Exchange {
   bool is_gone = false;  // the client left, or was too slow: nobody to answer
   Clock::time_point started = Clock::now();
   BodyBudget budget;
+};
+
+// The turns of a request that works for long.
+class Turns : public LongWork {
+ public:
+  Turns(internal::WorkerSlots* slots, int workers, const Exchange& exchange, const std::atomic<bool>& stopping, std::chrono::seconds limit)
+      : slots_(slots), workers_(workers), socket_(*exchange.socket), stopping_(stopping), deadline_(Clock::now() + limit) {}
+
+  int workers() const override { return workers_; }
+  Stop stop() const override {
+    if (stopping_) return Stop::kStopping;
+    if (Clock::now() >= deadline_) return Stop::kLate;
+    return socket_.IsClosedByPeer() ? Stop::kGone : Stop::kNone;
+  }
+  bool TakeTurn(int worker) override {
+    if (worker == 0) slots_->Yield();  // its thread has been inside since the request's own turn came
+    while (stop() == Stop::kNone) {
+      if (worker == 0 || slots_->EnterAsHelper(Clock::now() + kAskAgain)) return true;
+    }
+    return false;
+  }
+  void EndTurn(int worker) override {
+    if (worker != 0) slots_->LeaveAsHelper();
+  }
+
+ private:
+  static constexpr std::chrono::milliseconds kAskAgain{100};
+  internal::WorkerSlots* slots_;
+  const int workers_;
+  const internal::SocketStream& socket_;
+  const std::atomic<bool>& stopping_;
+  const Clock::time_point deadline_;
 };
 
 // The library's handlers are told of a request nothing but what it parsed.
@@ -192,7 +225,9 @@ class RequestStream : public httplib::Stream {
  private:
   bool Send(std::string_view more) {
     if (!write_deadline_) write_deadline_ = Clock::now() + write_timeout_;
-    failed_ = !socket_->Write(held_, more, *write_deadline_);
+    // A long answer may take longer, but no slower than a mebibyte a second.
+    failed_ = !socket_->Write(held_, more, *write_deadline_ + std::chrono::seconds(written_ >> 20));
+    written_ += more.size();
     held_.clear();
     return !failed_;
   }
@@ -206,6 +241,7 @@ class RequestStream : public httplib::Stream {
   const Clock::duration write_timeout_;
   std::optional<Clock::time_point> write_deadline_;
   std::string held_;
+  std::uint64_t written_ = 0;
   bool failed_ = false;
 };
 
@@ -235,7 +271,7 @@ struct Server::State : private httplib::Server {
   bool ReadHead(internal::SocketStream* socket, Connection* connection, Exchange* exchange);
   void CheckRequest(Exchange* exchange);
   void Handle(httplib::Response& out, const httplib::ContentReader* reader);
-  HttpResponse CarryOut(Exchange* exchange, const HttpRequest& request);
+  HttpResponse CarryOut(Exchange* exchange, HttpRequest* request);
   void Answer(HttpResponse response, httplib::Response& out);
   bool Respond(Exchange* exchange, internal::SocketStream* socket);
   bool SetIdle(Connection* connection, bool is_idle);
@@ -429,7 +465,7 @@ void Server::State::Serve(Connection* connection, bool is_refused) {
   ::setsockopt(connection->socket, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   internal::SocketStream socket(connection->socket);
   while (true) {
-    Exchange exchange(&body_bytes_);
+    Exchange exchange(&body_bytes_, &socket);
     if (is_refused) {
       ++metrics_->refused;
       exchange.answer = ProblemResponse(Busy("too many connections are open; try again"));
@@ -541,14 +577,16 @@ void Server::State::Handle(httplib::Response& out, const httplib::ContentReader*
       return;
     }
   }
-  Answer(CarryOut(&exchange, request), out);
+  Answer(CarryOut(&exchange, &request), out);
 }
 
-HttpResponse Server::State::CarryOut(Exchange* exchange, const HttpRequest& request) {
+HttpResponse Server::State::CarryOut(Exchange* exchange, HttpRequest* request) {
   const Route& route = *exchange->route;
+  Turns turns(&slots_, ThreadCount(options_.threads), *exchange, stopping_, options_.work_timeout);
+  request->work = &turns;
   const auto carry_out = [&] {
     try {
-      return route.handler(request);
+      return route.handler(*request);
     } catch (...) {
       return ProblemResponse(ProblemFrom(std::current_exception()));
     }
@@ -585,7 +623,22 @@ void Server::State::Answer(HttpResponse response, httplib::Response& out) {
     out.set_header(name, value);
   }
   if (response.status == 204 || response.status == 304) response.body.clear();
-  out.body = std::move(response.body);
+  if (!response.more) {
+    out.body = std::move(response.body);
+  } else if (exchange.head.minor_version == 0) {  // knows no chunks
+    for (std::string piece = response.more(); !piece.empty(); piece = response.more()) out.body += piece;
+  } else {
+    const std::string type(response.Header("Content-Type"));
+    out.headers.erase("Content-Type");
+    out.set_chunked_content_provider(type, [more = std::move(response.more)](std::size_t, httplib::DataSink& sink) {
+      const std::string piece = more();
+      if (piece.empty()) {
+        sink.done();
+        return true;
+      }
+      return sink.write(piece.data(), piece.size());
+    });
+  }
 }
 
 Server::Server(const Router& router, Metrics* metrics, ServerOptions options)

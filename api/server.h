@@ -28,6 +28,7 @@ struct ServerOptions {
   std::chrono::seconds body_timeout{20};   // plus one second for each MiB announced
   std::chrono::seconds write_timeout{60};
   std::chrono::seconds queue_timeout{10};  // a request that waited longer is answered 503
+  std::chrono::seconds work_timeout{120};  // for a request that works for long, its turns waited for included
   std::chrono::seconds stop_timeout{10};   // for requests under way when the server is told to stop
 };
 

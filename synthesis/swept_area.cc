@@ -14,6 +14,7 @@ namespace bp = boost::polygon;
 
 constexpr std::int64_t kMaxCells = std::int64_t{1} << 24;
 constexpr double kLeastHole_m2 = 0.05;
+constexpr double kAlongBone_m = 2 * kSweptCell_m;  // between points taken of a bone
 
 std::uint64_t Packed(std::int32_t column, std::int32_t row) {
   return (std::uint64_t{static_cast<std::uint32_t>(column)} << 32) | static_cast<std::uint32_t>(row);
@@ -94,7 +95,7 @@ FloorCells CellsBelow(const MotionClip& clip) {
       if (!moves[j]) continue;
       const int from = j == skeleton.moving_root() ? j : skeleton.parent(j);
       const Eigen::Vector2d begin(positions(0, from), positions(2, from)), end(positions(0, j), positions(2, j));
-      const int pieces = std::max(1, static_cast<int>(std::ceil((end - begin).norm() / kSweptCell_m)));
+      const int pieces = std::max(1, static_cast<int>(std::ceil((end - begin).norm() / kAlongBone_m)));
       for (int k = 0; k <= pieces; ++k) {
         const Eigen::Vector2d point = begin + (end - begin) * (k / static_cast<double>(pieces));
         cells.push_back(Packed(CellAt(point.x()), CellAt(point.y())));
@@ -123,8 +124,9 @@ SweptArea OutlineOf(const std::vector<FloorCells>& clips, double margin_m) {
   const auto extent = [&](int axis) { return (high[axis] >> coarser) - (low[axis] >> coarser) + 1 + 2 * border; };
   for (;; ++coarser) {
     area.resolution_m = kSweptCell_m * (1 << coarser);
-    // A point lies up to 0.71 cells from its cell's middle, and the outline is simplified by up to one cell.
-    radius = margin_m / area.resolution_m + std::sqrt(0.5) + 1;
+    // A point lies up to 0.71 cells from its cell's middle, the outline is simplified by up to one cell, and between two points of a bone,
+    // two cells apart, their discs reach less far, by 0.29 cells at most.
+    radius = margin_m / area.resolution_m + 2;
     border = static_cast<int>(std::ceil(radius)) + 2;
     if (extent(0) * extent(1) <= kMaxCells) break;
   }

@@ -19,7 +19,7 @@ struct SweptArea {
   std::vector<FloorRegion> regions;  // apart from each other
   double area_m2 = 0;
   double margin_m = 0;      // around the middle of every bone, as asked for
-  double resolution_m = 0;  // the outline lies up to about three times this further out, never further in
+  double resolution_m = 0;  // the outline lies up to about four times this further out, never further in
 };
 
 /// Cells of a floor raster of kSweptCell_m, by (column << 32 | row) of signed numbers; sorted, each once.

@@ -1,7 +1,9 @@
+#include <atomic>
 #include <cstdio>
 #include <iostream>
 #include <memory>
 #include <optional>
+#include <thread>
 
 #include "api/cli/command.h"
 #include "api/cli/progress.h"
@@ -11,6 +13,7 @@
 #include "api/default_model.h"
 #include "api/glb_writer.h"
 #include "api/problem.h"
+#include "api/variants_response.h"
 #include "datasets/errors.h"
 #include "datasets/file_text.h"
 #include "graph/model_io.h"
@@ -78,6 +81,41 @@ std::string ClipBytes(const MotionClip& clip, const OutputFormat& output, const 
   return path.extension() == ".glb" ? WriteGlb(clip) : ClipBvh(clip, output);
 }
 
+// 0 -> "000"
+std::string Numbered(int index) {
+  char stem[16];
+  std::snprintf(stem, sizeof stem, "%03d", index);
+  return stem;
+}
+
+void AddNumbered(const SynthesizeFlags& flags, int index, const MotionClip& clip, const SynthesisReport& report, const OutputFormat& output,
+                 StagedFiles* files) {
+  files->Add(fs::path(flags.out) / (Numbered(index) + ".bvh"), ClipBvh(clip, output));
+  if (!flags.report.empty()) files->Add(fs::path(flags.report) / (Numbered(index) + ".report.json"), ReportJson(report) + "\n");
+}
+
+// Clips of a request that asks for something: those that can be met, and what they have in common.
+int AddVariants(const SynthesizeFlags& flags, const MotionGraph& graph, const ClipRequest& request, StagedFiles* files) {
+  ProgressLine progress(false);
+  std::atomic<int> begun = 0;
+  VariantOptions options;
+  options.count = *flags.count;
+  options.threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  options.begin = [&](int worker) {
+    const double part = static_cast<double>(begun++) / options.count;
+    if (worker == 0 && options.count > 20) progress.Tell("making clips", std::min(1.0, part));
+    return true;
+  };
+  try {
+    const VariantSet set = MakeVariants(graph, ToSynthesisRequest(request), options);
+    for (const ClipVariant& variant : set.variants) AddNumbered(flags, variant.index, variant.clip, variant.report, request.output, files);
+    files->Add(fs::path(flags.out) / "summary.json", VariantSummaryJson(set.summary) + "\n");
+    return set.summary.made;
+  } catch (const VariantsTooLarge& large) {
+    throw UsageError(std::string("synthesize: --count: ") + large.what() + "; make them in parts, with --seed");
+  }
+}
+
 void SynthesizeClips(const SynthesizeFlags& flags) {
   ClipRequest request = RequestFrom(flags);
   if (!flags.count && !flags.report.empty() && IsSameFile(flags.out, flags.report))
@@ -91,27 +129,29 @@ void SynthesizeClips(const SynthesizeFlags& flags) {
   StagedFiles files;
   const std::uint64_t first_seed = *request.seed;
   if (!flags.count) {
-    const SynthesisResult made = Synthesize(*graph, ToSynthesisRequest(request));
-    files.Add(flags.out, ClipBytes(made.clip, request.output, flags.out));
-    if (!flags.report.empty()) files.Add(flags.report, ReportJson(made.report) + "\n");
+    const SynthesisResult clip = Synthesize(*graph, ToSynthesisRequest(request));
+    files.Add(flags.out, ClipBytes(clip.clip, request.output, flags.out));
+    if (!flags.report.empty()) files.Add(flags.report, ReportJson(clip.report) + "\n");
   } else {
-    ProgressLine progress(false);
     files.AddFolder(flags.out);
     if (!flags.report.empty()) files.AddFolder(flags.report);
+  }
+  int made = flags.count.value_or(1);
+  if (flags.count && !request.control.empty()) {
+    made = AddVariants(flags, *graph, request, &files);
+  } else if (flags.count) {
+    ProgressLine progress(false);
     for (int i = 0; i < *flags.count; ++i) {
       if (*flags.count > 20) progress.Tell("making clips", static_cast<double>(i) / *flags.count);
       request.seed = first_seed + static_cast<std::uint64_t>(i);  // goes on at 0 after 2^64 - 1
-      const SynthesisResult made = Synthesize(*graph, ToSynthesisRequest(request));
-      char stem[16];
-      std::snprintf(stem, sizeof stem, "%03d", i);
-      const std::string name(stem);
-      files.Add(fs::path(flags.out) / (name + ".bvh"), ClipBvh(made.clip, request.output));
-      if (!flags.report.empty()) files.Add(fs::path(flags.report) / (name + ".report.json"), ReportJson(made.report) + "\n");
+      const SynthesisResult clip = Synthesize(*graph, ToSynthesisRequest(request));
+      AddNumbered(flags, i, clip.clip, clip.report, request.output, &files);
     }
   }
   files.Commit();
   std::cout << "wrote " << flags.out << ", seed " << first_seed;
-  if (flags.count) std::cout << " and on, " << *flags.count << " clips";
+  if (flags.count) std::cout << " and on, " << made << " clips";
+  if (flags.count && made < *flags.count) std::cout << "; of " << *flags.count - made << " seeds the request cannot be met";
   std::cout << '\n';
 }
 

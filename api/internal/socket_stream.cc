@@ -49,6 +49,12 @@ bool SocketStream::Fill(TimePoint deadline, std::size_t limit) {
   return got > 0;
 }
 
+bool SocketStream::IsClosedByPeer() const {
+  char byte;
+  const ssize_t got = ::recv(socket_, &byte, 1, MSG_PEEK | MSG_DONTWAIT);
+  return got == 0 || (got < 0 && !IsTemporary(errno));
+}
+
 std::size_t SocketStream::Read(char* to, std::size_t size, TimePoint deadline) {
   if (size == 0) return 0;
   if (buffered().empty() && !Fill(deadline, kBlock)) return 0;

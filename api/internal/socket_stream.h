@@ -30,6 +30,9 @@ class SocketStream {
   /// connection and could take the answer away from the client before it has read it.
   void Linger(TimePoint deadline);
 
+  /// Whether the other side has closed, or broken, its direction, and nothing of it is left to read. Never waits; from any thread.
+  bool IsClosedByPeer() const;
+
   std::string_view buffered() const { return std::string_view(buffer_).substr(at_); }
   void Consume(std::size_t bytes) { at_ += bytes; }
 

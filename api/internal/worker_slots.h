@@ -38,19 +38,60 @@ class WorkerSlots {
     return Entry::kLate;
   }
 
+  /// Lets those that wait go first: gives the caller's slot to the longest waiting and waits for another one. Nobody waits: nothing
+  /// happens. Between Enter() and Leave() only.
+  void Yield() {
+    std::unique_lock lock(mutex_);
+    if (waiting_.empty()) return;
+    HandOn();
+    const auto self = waiting_.emplace(waiting_.end());
+    self->wake.wait(lock, [&] { return self->has_slot; });
+    granted_.erase(self);
+  }
+
+  /// A slot for a helper of a request that is inside already. False when none was free until `deadline`.
+  bool EnterAsHelper(std::chrono::steady_clock::time_point deadline) {
+    std::unique_lock lock(mutex_);
+    if (free_ > 0) {
+      --free_;
+      return true;
+    }
+    const auto self = waiting_.emplace(waiting_.end());
+    self->wake.wait_until(lock, deadline, [&] { return self->has_slot; });
+    if (!self->has_slot) {
+      waiting_.erase(self);
+      return false;
+    }
+    granted_.erase(self);
+    return true;
+  }
+  void LeaveAsHelper() {
+    const std::lock_guard lock(mutex_);
+    if (waiting_.empty()) {
+      ++free_;
+    } else {
+      HandOn();
+    }
+  }
+
   void Leave() {
     const std::lock_guard lock(mutex_);
     metrics_->queued = --inside_;
     if (waiting_.empty()) {
       ++free_;
-      return;
+    } else {
+      HandOn();
     }
+  }
+
+ private:
+  // The caller's slot to the one that waits for longest; there must be one.
+  void HandOn() {
     granted_.splice(granted_.end(), waiting_, waiting_.begin());
     granted_.back().has_slot = true;
     granted_.back().wake.notify_one();
   }
 
- private:
   struct Waiter {
     std::condition_variable wake;
     bool has_slot = false;

@@ -7,6 +7,7 @@
 #include "api/glb_writer.h"
 #include "api/problem.h"
 #include "api/routes.h"
+#include "api/routes/request_parts.h"
 #include "synthesis/motion_synthesizer.h"
 
 namespace morphograph {
@@ -76,19 +77,10 @@ HttpResponse MakeClip(Service* service, const std::string& id, ClipForm form, co
 }
 
 HttpResponse CreateClip(Service* service, const HttpRequest& request) {
-  const std::string_view type = MediaTypeOf(request.Header("Content-Type"));
-  if (!type.empty() && !EqualsIgnoringCase(type, "application/json"))
-    throw ProblemError(415, "a clip request is application/json, not " + Excerpt(type));
+  const std::string& text = ClipRequestText(request);
   const ClipForm form = NegotiatedForm(request);
-  ClipStore::Entry entry{ParseClipRequest(request.body), nullptr};
-  entry.model = service->models.Find(entry.request.model);
-  if (!entry.model) {
-    Problem problem{404, "no model of that name is served", {}, {}, {}};
-    std::string names;
-    for (const auto& model : service->models.List()) names += (names.empty() ? "" : ", ") + model->name;
-    problem.errors = {{"/model", names.empty() ? "no model is served" : "served are: " + Excerpt(names, 400)}};
-    throw ProblemError(std::move(problem));
-  }
+  ClipStore::Entry entry{ParseClipRequest(text), nullptr};
+  entry.model = FindServed(service->models, entry.request.model);
   if (!entry.request.seed) entry.request.seed = DrawSeed();
   const std::string id = ClipId(entry.model->graph->hash(), entry.request);
   HttpResponse response = MakeClip(service, id, form, entry);

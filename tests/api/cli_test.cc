@@ -150,6 +150,29 @@ TEST_F(CliTest, CountMakesOneClipASeed) {
   EXPECT_EQ(ReadFile(Path("made/clips/001.bvh")), ReadFile(Path("one.bvh")));
 }
 
+TEST_F(CliTest, ARequestThatAsksForSomethingIsMetAndSummedUp) {
+  folder_.Write("way.json", R"({"model":"as a server calls it","seed":3,"style":"brisk","path":{"points":[[0,0],[0,4]],"tolerance":0.2}})");
+  const std::string make = "synthesize --model " + Model() + " --request way.json ";
+  ASSERT_EQ(Run(make + "--out one.bvh --report one.json").status, 0);
+  const json report = json::parse(ReadFile(Path("one.json")));
+  ASSERT_FALSE(report["constraints"].empty());
+  for (const json& outcome : report["constraints"]) EXPECT_EQ(outcome["met"], true) << outcome;
+  const Outcome many = Run(make + "--count 4 --out many --report many/reports");
+  ASSERT_EQ(many.status, 0) << many.err;
+  const json summary = json::parse(ReadFile(Path("many/summary.json")));
+  EXPECT_EQ(summary["asked"], 4);
+  EXPECT_LE(summary["path_deviation"]["mean"], 0.2);
+  EXPECT_EQ(ReadFile(Path("many/000.bvh")), ReadFile(Path("one.bvh")));
+  EXPECT_EQ(json::parse(ReadFile(Path("many/reports/000.report.json"))), report);
+  // Clips that were asked for nothing in particular have nothing to sum up.
+  ASSERT_EQ(Run("synthesize --model " + Model() + " --steps 2 --count 2 --out plain").status, 0);
+  EXPECT_FALSE(fs::exists(Path("plain/summary.json")));
+  // Without --model the file's model must be the embedded one.
+  ExpectFailure("synthesize --request way.json --out a.bvh", 1, "/model");
+  folder_.Write("tight.json", R"({"style":"brisk","path":{"points":[[0,0],[0,1.5],[1.5,1.5],[1.5,3],[0,3],[0,4.5]],"tolerance":0.01}})");
+  ExpectFailure("synthesize --model " + Model() + " --request tight.json --out a.bvh", 1, "/path");
+}
+
 TEST_F(CliTest, FailuresSayWhereAndLeaveNothingBehind) {
   folder_.Write("broken.bvh", "HIERARCHY\nROOT hips\n{\n  OFFSET 0 zero 0\n}\n");
   folder_.Write("empty.bvh", "");

@@ -189,11 +189,9 @@ TEST_F(RoutesTest, UnknownThingsAre404) {
   ExpectProblem(Get("/v1/models/dance/graph"), 404);
   ExpectProblem(Get("/v2/clips"), 404);
   ExpectProblem(Get("/v1/jobs/1"), 404);
-  for (const std::string later : {"/v1/variants", "/v1/reconstructions"}) {
-    const RawResponse response = Ask(app_->port, "POST", later, "", "{}");
-    ExpectProblem(response, 404);
-    EXPECT_THAT(response.body, HasSubstr("does not exist yet"));
-  }
+  const RawResponse later = Ask(app_->port, "POST", "/v1/reconstructions", "", "{}");
+  ExpectProblem(later, 404);
+  EXPECT_THAT(later.body, HasSubstr("does not exist yet"));
   ExpectProblem(Ask(app_->port, "PUT", "/v1/clips"), 405);
   ExpectProblem(Get("/v1/clips"), 405);
 }
@@ -206,6 +204,44 @@ TEST_F(RoutesTest, WhatCannotBeMetIs422AndNamesWhatCould) {
   const RawResponse length = Post(R"({"model":"walk","duration":601})");
   ExpectProblem(length, 422);
   EXPECT_THAT(length.body, HasSubstr("600"));
+}
+
+TEST_F(RoutesTest, AClipGoesWhereItIsAskedTo) {
+  const RawResponse made = Post(
+      R"({"model":"walk","seed":3,"style":"brisk","path":{"points":[[1,1],[1,5]],"tolerance":0.2},
+          "constraints":[{"type":"keep_out","circle":{"center":[4,3],"radius":0.5}}]})",
+      "Accept: application/json\r\n");
+  ASSERT_EQ(made.status, 200) << made.body;
+  const json report = json::parse(made.body)["report"];
+  EXPECT_NEAR(report["path"].front()[0], 1, 0.25);
+  EXPECT_NEAR(report["path"].back()[1], 5, 0.3);
+  std::set<std::string> pointers;
+  for (const json& outcome : report["constraints"]) {
+    EXPECT_EQ(outcome["met"], true) << outcome;
+    EXPECT_LE(outcome["residual"], outcome["tolerance"]) << outcome;
+    pointers.insert(outcome["pointer"]);
+  }
+  EXPECT_THAT(pointers, ::testing::IsSupersetOf({"/path", "/constraints/0"}));
+  EXPECT_EQ(report["constraints"].back()["index"], 0);
+  const json schemas = json::parse(OpenApiJson())["components"]["schemas"];
+  for (const json& outcome : report["constraints"]) {
+    for (const auto& [name, value] : outcome.items()) EXPECT_TRUE(schemas["ConstraintOutcome"]["properties"].contains(name)) << name;
+  }
+  // The same clip again by its address.
+  EXPECT_EQ(json::parse(Get(made.headers.at("location") + "/report").body), report);
+}
+
+TEST_F(RoutesTest, EveryPartThatCannotBeMetIsNamed) {
+  const RawResponse tight = Post(R"({"model":"walk","style":"brisk","path":{"points":[[0,0],[0,1.5],[1.5,1.5],[1.5,3],[0,3],[0,4.5]],"tolerance":0.01}})");
+  ExpectProblem(tight, 422);
+  EXPECT_THAT(Pointer(tight), StartsWith("/path"));
+  const RawResponse joint = Post(
+      R"({"model":"walk","duration":4,"constraints":[{"type":"heading","time":1,"value":0},{"type":"position","joint":"tail","time":1,"value":[0,1,0]}]})");
+  ExpectProblem(joint, 422);
+  EXPECT_THAT(Pointer(joint), StartsWith("/constraints/1"));
+  const RawResponse late = Post(R"({"model":"walk","duration":4,"constraints":[{"type":"heading","time":5,"value":0},{"type":"look_at","from":1,"to":9,"value":[0,1,3]}]})");
+  ExpectProblem(late, 422);
+  EXPECT_EQ(json::parse(late.body)["errors"].size(), 2u);
 }
 
 TEST_F(RoutesTest, AClipStartsAndStopsWhereTheModelCan) {

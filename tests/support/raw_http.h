@@ -60,6 +60,10 @@ class RawConnection {
     pending_.erase(0, end + 4);
     if (response.status == 100) return Read(timeout_ms, head_only);
     const auto length = response.headers.find("content-length");
+    if (const auto coding = response.headers.find("transfer-encoding"); coding != response.headers.end() && coding->second == "chunked") {
+      if (!ReadChunks(timeout_ms, &response.body)) return std::nullopt;
+      return response;
+    }
     std::size_t wanted = length == response.headers.end() ? 0 : std::strtoull(length->second.c_str(), nullptr, 10);
     if (head_only) wanted = 0;
     while (pending_.size() < wanted)
@@ -87,6 +91,20 @@ class RawConnection {
     }
     pending_.append(buffer, static_cast<std::size_t>(got));
     return true;
+  }
+
+  bool ReadChunks(int timeout_ms, std::string* body) {
+    while (true) {
+      std::size_t line_end;
+      while ((line_end = pending_.find("\r\n")) == std::string::npos)
+        if (!Fill(timeout_ms)) return false;
+      const std::size_t size = std::strtoull(pending_.c_str(), nullptr, 16);
+      while (pending_.size() < line_end + 2 + size + 2)
+        if (!Fill(timeout_ms)) return false;
+      body->append(pending_, line_end + 2, size);
+      pending_.erase(0, line_end + 2 + size + 2);
+      if (size == 0) return true;
+    }
   }
 
   static RawResponse ParseHead(const std::string& head) {
