@@ -120,6 +120,10 @@ async function run(page, url) {
     assert.equal((await state()).playing, false);
   };
 
+  const shot = async (name) => {
+    if (options.screenshots) await page.screenshot({ path: join(options.screenshots, `${name}.png`) });
+  };
+
   await check('the page arrives under a strict policy', async () => {
     const response = await page.goto(`${url}?seed=1&duration=6`);
     assert.equal(response.status(), 200);
@@ -312,6 +316,109 @@ async function run(page, url) {
     await page.waitForSelector('#problem[hidden]', { state: 'attached' });
     expectedStatus = 0;
     assert.equal(await page.getAttribute('#length', 'aria-invalid'), null);
+  });
+
+  const windowAt = (place) => page.evaluate((at) => window.morphograph.windowAt(at), place);
+  const asked = () => JSON.parse(posts.at(-1));
+  const settled = () => page.waitForFunction(() => !document.querySelector('#request[aria-busy]'));
+  /** Draws on the floor with a pen: through these places, from the first to the last. */
+  const draw = async (pen, places) => {
+    await page.click(`[data-pen="${pen}"]`);
+    await page.evaluate(() => scrollTo(0, 0)); // the whole stage is in sight
+    const before = posts.length;
+    for (const [i, place] of places.entries()) {
+      const [x, y] = await windowAt(place);
+      await page.mouse.move(x, y, { steps: i ? 6 : 1 });
+      if (i === 0) await page.mouse.down();
+    }
+    await Promise.all([page.waitForRequest((request) => request.method() === 'POST' && request.url().endsWith('/v1/clips')), page.mouse.up()]);
+    await page.waitForFunction((name) => document.querySelector(`[data-pen="${name}"]`).getAttribute('aria-pressed') === 'false', pen);
+    assert.equal(posts.length, before + 1, 'a clip is asked for once');
+    await settled();
+  };
+  const near = (a, b, metres) => assert.ok(Math.hypot(...a.map((c, i) => c - b[i])) < metres, `${a} is not near ${b}`);
+
+  await check('a path that is drawn on the floor is walked', async () => {
+    await draw('path', [[0, 0], [0.1, 1.2], [0.5, 2.3]]);
+    const { path, duration, steps } = asked();
+    assert.ok(path.points.length >= 5 && path.interpolation === 'spline', JSON.stringify(path));
+    near(path.points[0], [0, 0], 0.05);
+    near(path.points.at(-1), [0.5, 2.3], 0.05);
+    assert.equal(duration ?? steps, undefined); // the way takes its time
+    const { report } = await state();
+    near(report.path[0], [0, 0], 0.2);
+    near(report.path.at(-1), [0.5, 2.3], 0.3);
+    assert.equal(await page.locator('#controls li[data-kind="path"]').count(), 1);
+    assert.equal(await page.isVisible('#problem'), false, await page.textContent('#problem'));
+    assert.match(await page.textContent('#controls .outcome'), /cm off/);
+    await shot('path');
+  });
+
+  await check('a goal, a hand target and an area to keep out of are drawn too', async () => {
+    await draw('goal', [[0.5, 2.3], [0.6, 2.6]]);
+    near(asked().goal.position, [0.5, 2.3], 0.05);
+    assert.ok(Math.abs(asked().goal.heading - 18) < 6, `${asked().goal.heading}`);
+    await draw('keep_out', [[1.6, 0.4], [1.6, 0.8]]);
+    assert.equal(await page.isVisible('#problem'), false, await page.textContent('#problem'));
+    assert.equal(asked().constraints.length, 1);
+    near(asked().constraints[0].circle.center, [1.6, 0.4], 0.05);
+    assert.ok(Math.abs(asked().constraints[0].circle.radius - 0.4) < 0.05);
+    const linked = page.url();
+    await page.goto(linked);
+    await page.waitForFunction(() => window.morphograph?.state.frames > 1 && window.morphograph.state.controls.length === 3);
+    assert.equal(asked().constraints.length, 1); // what was drawn stands in the address
+    await pause();
+    await page.click('#controls li[data-kind="goal"] button');
+    await settled();
+    assert.equal(asked().goal, undefined);
+    expectedStatus = 422; // while its height and time are typed, it may be out of reach
+    await draw('hand', [[0.3, 1]]);
+    assert.equal(asked().constraints[1].joint, 'right_wrist');
+    await page.fill('#controls input[aria-label="Time, s"]', '1');
+    await page.fill('#controls input[aria-label="Height, m"]', '1.05');
+    await page.press('#controls input[aria-label="Height, m"]', 'Enter');
+    await settled();
+    near(asked().constraints[1].value, [0.3, 1.05, 1], 0.06);
+    assert.equal(asked().constraints[1].time, 1);
+    await page.click('#controls li[data-kind="hand"] button');
+    await settled();
+    expectedStatus = 0;
+  });
+
+  await check('variants walk along as ghosts, and what they have in common is said', async () => {
+    await page.fill('#variant-count', '5');
+    await page.click('#show-variants');
+    await page.waitForSelector('#hide-variants:not([hidden])');
+    const text = await page.textContent('#variant-summary');
+    const made = Number(/^(\d+)( of \d+)? variants/.exec(text)?.[1]);
+    assert.ok(made >= 1 && made <= 5, text);
+    assert.equal((await state()).ghosts, made);
+    for (const part of ['there after', 'from the path', 'm² of floor']) assert.ok(text.includes(part), text);
+    await page.evaluate(() => scrollTo(0, 0));
+    await page.locator('h1').click();
+    for (let i = 0; i < 3; ++i) await page.keyboard.press('Shift+ArrowRight');
+    const seen = await picture();
+    await shot('variants');
+    await page.click('#hide-variants');
+    assert.equal((await state()).ghosts, 0);
+    const without = await picture();
+    assert.ok(seen.filter((value, i) => Math.abs(value - without[i]) > 24).length > 60, 'ghosts cannot be seen');
+  });
+
+  await check('what cannot be met is said beside what was drawn', async () => {
+    expectedStatus = 422;
+    await draw('keep_out', [[0.5, 2.3], [0.5, 2.7]]); // where the path ends
+    await page.waitForSelector('#problem:not([hidden])');
+    assert.match(await page.textContent('#controls li[data-kind="path"] .field-error'), /kept out of/);
+    await shot('unmet');
+    expectedStatus = 0;
+    await page.click('#clear-controls');
+    await page.waitForSelector('#problem[hidden]', { state: 'attached' });
+    await settled();
+    assert.equal(asked().path, undefined);
+    assert.equal(asked().duration, 8);
+    assert.equal(await page.locator('#controls li').count(), 0);
+    await page.click('[data-view="corner"]');
   });
 
   await check('the BVH that is saved is the server’s own text in the source unit', async () => {

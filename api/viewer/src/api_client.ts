@@ -11,6 +11,9 @@ export interface Quality {
   log_likelihood?: number | null;
 }
 
+/** What became of something that was asked for; `pointer` leads into the request. */
+export interface ConstraintOutcome { index?: number; pointer: string; met: boolean; residual: number; unit: string }
+
 export interface Report {
   model: { name: string; hash: string };
   style?: string;
@@ -19,6 +22,7 @@ export interface Report {
   steps: Step[];
   contacts: Contact[];
   path: [number, number][];
+  constraints: ConstraintOutcome[];
   quality: Quality;
 }
 
@@ -61,7 +65,26 @@ export interface ClipRequest {
   steps?: number;
   start?: { heading?: number; from?: Boundary };
   end?: Boundary;
+  path?: { points: [number, number][]; interpolation?: 'linear' | 'spline' };
+  goal?: { position: [number, number]; heading?: number };
+  speed?: number;
+  constraints?: object[];
   output: { unit: 'm' | 'cm' | 'source'; frame_rate?: number };
+}
+
+export interface Range { min: number; mean: number; max: number }
+type Ring = [number, number][];
+
+/** What the variants of a request have in common and how far they lie apart: metres, seconds, square metres. */
+export interface VariantSummary {
+  asked: number;
+  made: number;
+  unmet: number;
+  duration: Range;
+  arrival_time?: Range;
+  path_deviation?: { mean: number; max: number };
+  spread: { clips: number; steps: number };
+  swept_area: { area: number; margin: number; resolution: number; polygons: { outline: Ring; holes: Ring[] }[] };
 }
 
 export interface ClipResponse { bvh: string; report: Report; reportText: string; seed: string; location: string; milliseconds: number }
@@ -133,6 +156,32 @@ export async function createClip(request: ClipRequest): Promise<ClipResponse> {
     location: response.headers.get('Location') ?? '',
     milliseconds,
   };
+}
+
+/** Asks for many clips of one request; `onClip` gets each as it arrives, the likeliest first. */
+export async function createVariants(request: ClipRequest, count: number, onClip: (bvh: string) => void, signal?: AbortSignal): Promise<VariantSummary> {
+  const text = requestText(request);
+  const response = await send('v1/variants', {
+    method: 'POST',
+    headers: { 'Content-Type': 'application/json', Accept: 'application/x-ndjson' },
+    body: `${text.slice(0, -1)},"count":${count}}`,
+    signal,
+  });
+  let summary: VariantSummary | undefined;
+  const take = (line: string) => {
+    const value = JSON.parse(line) as { bvh?: string; summary?: VariantSummary };
+    if (value.bvh) onClip(value.bvh);
+    summary ??= value.summary;
+  };
+  let rest = '';
+  const reader = response.body!.pipeThrough(new TextDecoderStream()).getReader();
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    const lines = (rest + part.value).split('\n');
+    rest = lines.pop()!;
+    lines.forEach(take);
+  }
+  if (!summary) throw new ApiError('The answer broke off', 0, 'The server sent only a part of the variants.');
+  return summary;
 }
 
 export async function createBvh(request: ClipRequest): Promise<string> {

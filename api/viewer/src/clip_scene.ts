@@ -1,8 +1,11 @@
-// Puts a clip on the stage: figure, path and foot prints, kept at the moment of the player.
-import type { Report } from './api_client';
+// Puts a clip on the stage: figure, path and foot prints, kept at the moment of the player; what was asked for on the floor; and variants.
+import type { Report, VariantSummary } from './api_client';
 import type { ClipMotion } from './clip_motion';
+import { ControlMarks } from './control_marks';
+import type { Control } from './controls';
 import { Figure } from './figure';
 import { FloorMarks } from './floor_marks';
+import { Ghosts } from './ghosts';
 import type { Player } from './player';
 import type { Stage, View } from './stage';
 import { onTheme } from './theme';
@@ -12,10 +15,17 @@ export class ClipScene {
   private report?: Report;
   private figure?: Figure;
   private marks?: FloorMarks;
+  private readonly asked = new ControlMarks();
+  private readonly ghosts = new Ghosts();
+  private controls: Control[] = [];
 
   constructor(private readonly stage: Stage, private readonly player: Player) {
+    stage.add(this.asked.object);
+    stage.add(this.ghosts.object);
     player.onChange(() => this.update());
     onTheme(() => {
+      this.asked.show(this.controls);
+      this.ghosts.recolour();
       this.figure?.recolour();
       this.marks?.recolour();
       stage.invalidate();
@@ -36,6 +46,32 @@ export class ClipScene {
     this.update();
   }
 
+  /** Shows what is asked for on the floor. */
+  showControls(controls: Control[]): void {
+    this.controls = controls;
+    this.asked.show(controls);
+    this.stage.invalidate();
+  }
+
+  addGhost(motion: ClipMotion): void {
+    this.ghosts.add(motion);
+    this.update();
+  }
+
+  showSweptArea(area: VariantSummary['swept_area']): void {
+    this.ghosts.showArea(area);
+    this.stage.invalidate();
+  }
+
+  clearGhosts(): void {
+    this.ghosts.clear();
+    this.stage.invalidate();
+  }
+
+  get ghostCount(): number {
+    return this.ghosts.count;
+  }
+
   look(view: View): void {
     if (this.motion) this.stage.look(view, this.motion.facing(this.player.frame));
   }
@@ -51,6 +87,7 @@ export class ClipScene {
     hips.updateWorldMatrix(true, false);
     const [x, z] = [hips.matrixWorld.elements[12], hips.matrixWorld.elements[14]];
     marks.show(player.frame, x, z);
+    this.ghosts.pose(player.time);
     this.stage.moveFocus(x, z);
   }
 }

@@ -2,9 +2,12 @@
 import { ApiError, createBvh, createClip, evaluate, fetchGraph, listModels, type ClipRequest, type ClipResponse } from './api_client';
 import { ClipMotion } from './clip_motion';
 import { ClipScene } from './clip_scene';
+import { ControlPanel } from './control_panel';
+import { Controls } from './controls';
 import { Curves } from './curves';
 import { byId, spoken } from './dom';
 import { fileName, save } from './downloads';
+import { FloorPen } from './floor_pen';
 import { GraphView } from './graph_view';
 import { Player } from './player';
 import { hideProblem, showProblem } from './problem_banner';
@@ -14,6 +17,7 @@ import { startShortcuts } from './shortcuts';
 import { Stage, type View } from './stage';
 import { startTheme } from './theme';
 import { Timeline, currentStep } from './timeline';
+import { VariantsPanel } from './variants_panel';
 
 startTheme(byId('theme'));
 const player = new Player();
@@ -27,7 +31,34 @@ let motion: ClipMotion | undefined;
 let lastRequest: ClipRequest | undefined;
 let newest = 0; // number of the latest request; answers to older ones are dropped
 
-const form = new RequestForm(() => void synthesise(), (model) => void loadGraph(model));
+const controls = new Controls();
+const form = new RequestForm(controls, () => void synthesise(), (model) => void loadGraph(model));
+
+// Drawing on the floor.
+const pen = stage && new FloorPen(byId<HTMLCanvasElement>('stage'), stage, () => Math.round(player.time * 10) / 10,
+  (drawn) => scene?.showControls(drawn ? [...controls.list, drawn] : controls.list),
+  (drawn) => {
+    panel.takePen(undefined);
+    controls.add(drawn);
+  });
+const panel = new ControlPanel(controls, (kind) => {
+  pen?.take(kind);
+  if (!kind) return;
+  player.toggle(false);
+  look('map');
+});
+const variants = new VariantsPanel(scene, () => form.read(), (error) => {
+  showProblem(error);
+  if (error instanceof ApiError) markErrors(error);
+});
+controls.onChange(() => scene?.showControls(controls.list));
+scene?.showControls(controls.list);
+
+function markErrors(error: ApiError): void {
+  form.markErrors(error);
+  panel.showOutcomes([]);
+  panel.markErrors(error);
+}
 
 function openStage(): Stage | undefined {
   try {
@@ -51,6 +82,7 @@ async function synthesise(): Promise<void> {
   const request = form.read();
   if (!request) return;
   const number = ++newest;
+  variants.clear();
   byId('request').setAttribute('aria-busy', 'true');
   try {
     const answer = await createClip(request);
@@ -62,7 +94,7 @@ async function synthesise(): Promise<void> {
   } catch (error) {
     if (number !== newest) return;
     showProblem(error);
-    if (error instanceof ApiError) form.markErrors(error);
+    if (error instanceof ApiError) markErrors(error);
   } finally {
     if (number === newest) byId('request').removeAttribute('aria-busy');
   }
@@ -89,6 +121,7 @@ function show(answer: ClipResponse, request: ClipRequest): void {
   timeline.load(answer.report);
   curves.load(motion, answer.report.contacts);
   showQuality(byId('quality'), answer.report);
+  panel.showOutcomes(answer.report.constraints);
   const { report } = answer;
   const style = report.style ? `, ${report.style}` : '';
   byId('status').textContent = `${report.duration.toFixed(1)} s${style}: ${report.frames} frames, ${report.steps.length} steps, ` +
@@ -189,13 +222,15 @@ start().catch((error) => {
 Object.assign(window, {
   morphograph: {
     get state() {
-      return { frame: player.frame, frames: player.frames, time: player.time, playing: player.playing, seed: clip?.seed, report: clip?.report };
+      return { frame: player.frame, frames: player.frames, time: player.time, playing: player.playing, seed: clip?.seed, report: clip?.report, controls: controls.list, ghosts: scene?.ghostCount };
     },
     /** World positions of all joints as they are posed now, metres. */
     joints: () => motion?.bones.map((bone) => {
       bone.updateWorldMatrix(true, false);
       return [bone.matrixWorld.elements[12], bone.matrixWorld.elements[13], bone.matrixWorld.elements[14]];
     }) ?? [],
+    /** The point of the window where a place [x, z] on the floor is seen. */
+    windowAt: (place: [number, number]) => stage?.windowAt(place),
     /** Draws at once, so that the canvas can be read back in the same task. */
     render: () => stage?.render(),
   },

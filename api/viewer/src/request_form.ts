@@ -1,9 +1,11 @@
 // The form that says what to synthesise. Its state also stands in the page's address, so that a clip can be linked to.
 import type { ApiError, Boundary, ClipRequest, ModelEntry } from './api_client';
+import type { Controls } from './controls';
 import { byId, html, spoken } from './dom';
 
 const SEED_LIMIT = 2n ** 64n;
 const WALKING = 'walking';
+const AUTO = 'auto'; // as long as the way takes
 
 /** Whether a boundary other than the usual one was chosen. */
 const asked = (select: HTMLSelectElement): boolean => select.value !== '' && select.value !== WALKING;
@@ -24,10 +26,12 @@ export class RequestForm {
   private readonly end = byId<HTMLSelectElement>('end');
   private readonly heading = byId<HTMLInputElement>('heading');
   private readonly rate = byId<HTMLInputElement>('rate');
+  private readonly pace = byId<HTMLInputElement>('pace');
   private models: ModelEntry[] = [];
+  private hadWay = false;
 
   /** `onRequest` is called whenever the request changed or is asked for again; `onModel` when another model is chosen. */
-  constructor(private readonly onRequest: () => void, private readonly onModel: (name: string) => void) {
+  constructor(private readonly controls: Controls, private readonly onRequest: () => void, private readonly onModel: (name: string) => void) {
     this.form.addEventListener('submit', (event) => {
       event.preventDefault();
       this.ask();
@@ -38,7 +42,7 @@ export class RequestForm {
         this.onModel(this.model.value);
       }
       if (event.target === this.style) this.offerBoundaries();
-      if (event.target === this.lengthUnit) this.length.value = this.lengthUnit.value === 'steps' ? '12' : '8';
+      if (event.target === this.lengthUnit) this.offerLength();
       this.ask();
     });
     byId('next-seed').addEventListener('click', () => this.nextSeed());
@@ -48,6 +52,16 @@ export class RequestForm {
       this.ask();
     });
     this.readAddress();
+    this.offerLength(this.length.value);
+    controls.onChange(() => {
+      const was = this.lengthUnit.value;
+      // A way takes the time that it takes, unless something else was chosen; without one there is nothing to take.
+      if (controls.hasWay && !this.hadWay) this.lengthUnit.value = AUTO;
+      if (!controls.hasWay && was === AUTO) this.lengthUnit.value = 'duration';
+      this.hadWay = controls.hasWay;
+      if (this.lengthUnit.value !== was) this.offerLength();
+      this.ask();
+    });
   }
 
   offer(models: ModelEntry[]): void {
@@ -77,16 +91,18 @@ export class RequestForm {
     const seed = this.seed.value.trim();
     // Any whole number is sent, so that the server is the one judge of its size.
     if (!/^-?\d+$/.test(seed)) return this.mark(this.seed, 'The seed is a whole number.');
+    const unit = this.lengthUnit.value;
     const length = this.length.valueAsNumber;
-    if (!Number.isFinite(length)) return this.mark(this.length, 'Give a number.');
+    if (unit !== AUTO && !Number.isFinite(length)) return this.mark(this.length, 'Give a number.');
     const request: ClipRequest = { model: this.model.value, seed: BigInt(seed).toString(), output: { unit: 'm' } };
     if (this.style.value) request.style = this.style.value;
-    request[this.lengthUnit.value === 'steps' ? 'steps' : 'duration'] = length;
+    if (unit !== AUTO) request[unit === 'steps' ? 'steps' : 'duration'] = length;
     if (this.heading.value) request.start = { heading: this.heading.valueAsNumber };
     if (asked(this.startFrom)) request.start = { ...request.start, from: this.startFrom.value };
     if (asked(this.end)) request.end = this.end.value;
+    if (this.pace.value) request.speed = this.pace.valueAsNumber;
     if (this.rate.value) request.output.frame_rate = this.rate.valueAsNumber;
-    return request;
+    return { ...request, ...this.controls.fields() };
   }
 
   /** Marks the fields that the server found fault with. */
@@ -94,6 +110,7 @@ export class RequestForm {
     const fields: Record<string, HTMLElement> = {
       '/model': this.model, '/style': this.style, '/seed': this.seed, '/duration': this.length, '/steps': this.length,
       '/start/heading': this.heading, '/start/from': this.startFrom, '/end': this.end, '/output/frame_rate': this.rate,
+      '/speed': this.pace,
     };
     for (const { pointer, detail } of error.errors) {
       const field = fields[pointer];
@@ -106,12 +123,20 @@ export class RequestForm {
     query.set('model', this.model.value);
     query.set('seed', this.seed.value);
     if (this.style.value) query.set('style', this.style.value);
-    query.set(this.lengthUnit.value, this.length.value);
+    if (this.lengthUnit.value !== AUTO) query.set(this.lengthUnit.value, this.length.value);
     if (asked(this.startFrom)) query.set('from', this.startFrom.value);
     if (asked(this.end)) query.set('end', this.end.value);
     if (this.heading.value) query.set('heading', this.heading.value);
     if (this.rate.value) query.set('rate', this.rate.value);
+    if (this.pace.value) query.set('pace', this.pace.value);
+    if (this.controls.list.length > 0) query.set('controls', this.controls.toText());
     history.replaceState(null, '', `?${query}`);
+  }
+
+  private offerLength(value = this.lengthUnit.value === 'steps' ? '12' : '8'): void {
+    const auto = this.lengthUnit.value === AUTO;
+    this.length.disabled = auto;
+    this.length.value = auto ? '' : value;
   }
 
   private ask(): void {
@@ -152,6 +177,10 @@ export class RequestForm {
     }
     this.heading.value = query.get('heading') ?? '';
     this.rate.value = query.get('rate') ?? '';
+    this.pace.value = query.get('pace') ?? '';
+    this.controls.readText(query.get('controls') ?? '[]');
+    this.hadWay = this.controls.hasWay;
+    if (this.hadWay && !query.has('duration') && !query.has('steps')) this.lengthUnit.value = AUTO;
   }
 
   private mark(field: HTMLElement, detail: string): undefined {

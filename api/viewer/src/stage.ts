@@ -2,15 +2,16 @@
 // (software WebGL, old phones).
 import {
   AmbientLight, Color, DirectionalLight, Fog, HemisphereLight, Mesh, Object3D, PCFShadowMap, PerspectiveCamera,
-  PlaneGeometry, Scene, ShadowMaterial, Vector3, WebGLRenderer,
+  Plane, PlaneGeometry, Raycaster, Scene, ShadowMaterial, Vector2, Vector3, WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { FloorGrid } from './floor_grid';
 import { onTheme, themeColour } from './theme';
 
-export type View = 'corner' | 'side' | 'front' | 'top';
+export type View = 'corner' | 'side' | 'front' | 'top' | 'map';
 
 const GROUND_M = 60;
+const SIGHT_M = 40;
 const LOOK_HEIGHT_M = 0.88;
 const SLOW_FRAME_MS = 45;
 
@@ -75,6 +76,30 @@ export class Stage {
     this.dirty = true;
   }
 
+  /** Whether the pointer turns the camera. */
+  set orbits(on: boolean) {
+    this.controls.enabled = on;
+  }
+
+  /** The place [x, z] on the floor that is seen at a point of the window; undefined where that shows the far distance or the sky. */
+  floorAt(clientX: number, clientY: number): [number, number] | undefined {
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const seen = new Vector2(((clientX - box.left) / box.width) * 2 - 1, 1 - ((clientY - box.top) / box.height) * 2);
+    this.camera.updateMatrixWorld();
+    const ray = new Raycaster();
+    ray.setFromCamera(seen, this.camera);
+    const place = ray.ray.intersectPlane(new Plane(new Vector3(0, 1, 0)), new Vector3());
+    return place && place.distanceTo(this.camera.position) < SIGHT_M ? [place.x, place.z] : undefined;
+  }
+
+  /** The point of the window where a place on the floor is seen. */
+  windowAt([x, z]: [number, number]): [number, number] {
+    this.camera.updateMatrixWorld();
+    const box = this.renderer.domElement.getBoundingClientRect();
+    const seen = new Vector3(x, 0, z).project(this.camera);
+    return [box.left + ((seen.x + 1) / 2) * box.width, box.top + ((1 - seen.y) / 2) * box.height];
+  }
+
   /** Tells where the figure is; the camera goes along when it follows. */
   moveFocus(x: number, z: number): void {
     const dx = x - this.focus.x;
@@ -99,6 +124,7 @@ export class Stage {
       side: [0, 4.0, 0.12],
       front: [4.0, 0, 0.12],
       top: [-0.02, 0, 5.5],
+      map: [-0.02, 0, 8.5],
     };
     const [ahead, aside, up] = place[view];
     // A tall window (a phone held upright) must stand further back to show the figure and its next steps.
