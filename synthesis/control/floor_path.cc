@@ -50,7 +50,11 @@ FloorPath::FloorPath(const std::vector<Eigen::Vector2d>& points_m, bool smooth) 
   if (corners_.size() < 2) throw std::invalid_argument("FloorPath: needs two points that differ");
   if (smooth && corners_.size() > 2) corners_ = Smoothed(corners_);
   lengths_.push_back(0);
-  for (size_t i = 1; i < corners_.size(); ++i) lengths_.push_back(lengths_.back() + (corners_[i] - corners_[i - 1]).norm());
+  for (size_t i = 1; i < corners_.size(); ++i) {
+    const Eigen::Vector2d piece = corners_[i] - corners_[i - 1];
+    lengths_.push_back(lengths_.back() + piece.norm());
+    directions_.push_back(piece.normalized());
+  }
 }
 
 size_t FloorPath::PieceAt(double along_m) const {
@@ -59,12 +63,12 @@ size_t FloorPath::PieceAt(double along_m) const {
 }
 
 Eigen::Vector2d FloorPath::Direction(double along_m) const {
-  const size_t i = PieceAt(along_m);
-  return (corners_[i + 1] - corners_[i]).normalized();
+  return directions_[PieceAt(along_m)];
 }
 
-Eigen::Vector2d FloorPath::At(double along_m) const { 
-  return corners_[PieceAt(along_m)] + (along_m - lengths_[PieceAt(along_m)]) * Direction(along_m);
+Eigen::Vector2d FloorPath::At(double along_m) const {
+  const size_t i = PieceAt(along_m);
+  return corners_[i] + (along_m - lengths_[i]) * directions_[i];
 }
 
 double FloorPath::Heading(double along_m) const { return HeadingOfDirection(Direction(along_m)); }
@@ -73,15 +77,16 @@ FloorPath::Nearest FloorPath::NearestTo(const Eigen::Vector2d& point_m, double f
   from_m = std::clamp(from_m, 0.0, length_m());
   to_m = std::clamp(to_m, from_m, length_m());
   Nearest nearest;
-  nearest.distance_m = -1;
+  nearest.distance_m = -1;  // squared, until the end
   for (size_t i = PieceAt(from_m); i + 1 < corners_.size() && (lengths_[i] <= to_m || nearest.distance_m < 0); ++i) {
-    const Eigen::Vector2d direction = (corners_[i + 1] - corners_[i]).normalized();
+    const Eigen::Vector2d& direction = directions_[i];
     const double low = std::max(from_m, lengths_[i]), high = std::max(low, std::min(to_m, lengths_[i + 1]));
     const double along = std::clamp(lengths_[i] + direction.dot(point_m - corners_[i]), low, high);
     const Eigen::Vector2d foot = corners_[i] + (along - lengths_[i]) * direction;
-    const double distance = (point_m - foot).norm();
-    if (nearest.distance_m < 0 || distance < nearest.distance_m) nearest = {along, distance, foot};
+    const double distance2 = (point_m - foot).squaredNorm();
+    if (nearest.distance_m < 0 || distance2 < nearest.distance_m) nearest = {along, distance2, foot};
   }
+  nearest.distance_m = std::sqrt(nearest.distance_m);
   return nearest;
 }
 

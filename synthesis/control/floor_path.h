@@ -34,7 +34,8 @@ class FloorPath {
   size_t PieceAt(double along_m) const;
 
   std::vector<Eigen::Vector2d> corners_;
-  std::vector<double> lengths_;  // from the beginning to each corner
+  std::vector<double> lengths_;               // from the beginning to each corner
+  std::vector<Eigen::Vector2d> directions_;   // of the pieces between them
 };
 
 /// Yaw of a direction on the floor (x, z), and the reverse.

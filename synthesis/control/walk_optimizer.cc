@@ -388,11 +388,14 @@ class Optimizer {
     result_.walk.steps.clear();
     double time = 0;
     for (size_t k = 0; k < steps_.size(); ++k) {
-      const WalkStep step = WithLatent(graph_, k > 0 ? &result_.walk.steps.back().step : nullptr, steps_[k], latents_[k]);
+      WalkStep step = steps_[k];
+      MoveTo(graph_, latents_[k], &step);
+      step.log_likelihood = k > 0 ? innovations_[k - 1].LogLikelihood(latents_[k - 1], latents_[k])
+                                  : graph_.primitive(step.primitive).mixture.LogDensity(step.latent);
       StepShape shape = graph_.primitive(step.primitive).Shape(step.latent);
       const double length = shape.duration_s * rate();
       if (k == 0 && problem_.guide.from != WalkBoundary::kWalking) time = MarginBefore(shape) * length;
-      result_.walk.steps.push_back({step, std::move(shape), time, time + length});
+      result_.walk.steps.push_back({std::move(step), std::move(shape), time, time + length});
       time += length;
     }
     if (const auto keyframe = LastKeyframe()) {

@@ -137,7 +137,7 @@ class Search {
     gram.diagonal().array() += 1;
     const Eigen::VectorXd miss = Eigen::Map<const Eigen::VectorXd>(misses.data(), static_cast<Eigen::Index>(misses.size()));
     const Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
-    node->step = WithLatent(graph_, &node->before->step, node->step, node->step.whitened + change);
+    MoveTo(graph_, node->step.whitened + change, &node->step);
     node->cost += change.squaredNorm();
   }
 

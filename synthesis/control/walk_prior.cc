@@ -49,13 +49,9 @@ double StepInnovation::LogLikelihood(const Eigen::VectorXd& previous, const Eige
   return log_constant_ - 0.5 * Value(previous, next).squaredNorm();
 }
 
-WalkStep WithLatent(const MotionGraph& graph, const WalkStep* previous, WalkStep step, const Eigen::VectorXd& whitened) {
-  const MotionPrimitive& primitive = graph.primitive(step.primitive);
-  step.whitened = whitened;
-  step.latent = Colour(primitive.mixture.Component(step.component), whitened);
-  step.log_likelihood = previous ? StepInnovation(graph, *previous, step).LogLikelihood(previous->whitened, whitened)
-                                 : primitive.mixture.LogDensity(step.latent);
-  return step;
+void MoveTo(const MotionGraph& graph, const Eigen::VectorXd& whitened, WalkStep* step) {
+  step->whitened = whitened;
+  step->latent = Colour(graph.primitive(step->primitive).mixture.Component(step->component), whitened);
 }
 
 }  // namespace morphograph

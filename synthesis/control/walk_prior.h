@@ -40,7 +40,7 @@ struct WithinWalk {
 };
 WithinWalk WithinWalkOf(const MotionGraph& graph, const WalkStep& step);
 
-/// The step with another whitened latent: latent, and likelihood after `previous` (none: of the mixture).
-WalkStep WithLatent(const MotionGraph& graph, const WalkStep* previous, WalkStep step, const Eigen::VectorXd& whitened);
+/// Gives a step another whitened latent, and the latent that follows from it. Its likelihood is the caller's.
+void MoveTo(const MotionGraph& graph, const Eigen::VectorXd& whitened, WalkStep* step);
 
 }  // namespace morphograph
