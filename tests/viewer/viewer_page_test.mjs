@@ -328,7 +328,7 @@ async function run(page, url) {
     const before = posts.length;
     for (const [i, place] of places.entries()) {
       const [x, y] = await windowAt(place);
-      await page.mouse.move(x, y, { steps: i ? 6 : 1 });
+      await page.mouse.move(x, y, { steps: i ? 3 : 1 });
       if (i === 0) await page.mouse.down();
     }
     await Promise.all([page.waitForRequest((request) => request.method() === 'POST' && request.url().endsWith('/v1/clips')), page.mouse.up()]);

@@ -17,14 +17,13 @@ export class ClipScene {
   private marks?: FloorMarks;
   private readonly asked = new ControlMarks();
   private readonly ghosts = new Ghosts();
-  private controls: Control[] = [];
 
   constructor(private readonly stage: Stage, private readonly player: Player) {
     stage.add(this.asked.object);
     stage.add(this.ghosts.object);
     player.onChange(() => this.update());
     onTheme(() => {
-      this.asked.show(this.controls);
+      this.asked.recolour();
       this.ghosts.recolour();
       this.figure?.recolour();
       this.marks?.recolour();
@@ -48,7 +47,6 @@ export class ClipScene {
 
   /** Shows what is asked for on the floor. */
   showControls(controls: Control[]): void {
-    this.controls = controls;
     this.asked.show(controls);
     this.stage.invalidate();
   }
