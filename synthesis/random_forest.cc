@@ -1,132 +1,64 @@
 #include "synthesis/random_forest.h"
 
+#include <xgboost/c_api.h>
+
 #include <algorithm>
-#include <array>
-#include <bit>
-#include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
-#include <numeric>
+#include <limits>
 #include <stdexcept>
 #include <string>
 
 namespace morphograph {
 namespace {
 
-constexpr int kBins = 256;
+constexpr int kBins = 32;
+constexpr double kPartSeen = 0.632;  // by a tree: as many samples as differ in one drawn with repetition, 1 - 1/e
 
-// Values that part the sorted ones into at most kBins groups of equal counts; equal values share a group.
-std::vector<float> BinEdges(std::vector<float> values) {
-  std::sort(values.begin(), values.end());
-  std::vector<float> edges;
-  for (int b = 1; b < kBins; ++b) {
-    const float edge = values[values.size() * b / kBins];
-    if (edge < values.back() && (edges.empty() || edge > edges.back())) edges.push_back(edge);
-  }
-  return edges;
+void Check(int status) {
+  if (status != 0) throw std::runtime_error(std::string("XGBoost: ") + XGBGetLastError());
 }
+
+// Samples as XGBoost holds them, a row a sample: a column-major (features x N) matrix read the other way.
+class SampleRows {
+ public:
+  explicit SampleRows(const Eigen::MatrixXf& samples) {
+    Check(XGDMatrixCreateFromMat(samples.data(), static_cast<bst_ulong>(samples.cols()), static_cast<bst_ulong>(samples.rows()),
+                                 std::numeric_limits<float>::quiet_NaN(), &handle_));
+  }
+  ~SampleRows() { XGDMatrixFree(handle_); }
+  SampleRows(const SampleRows&) = delete;
+  SampleRows& operator=(const SampleRows&) = delete;
+  DMatrixHandle handle() const { return handle_; }
+
+ private:
+  DMatrixHandle handle_ = nullptr;
+};
 
 }  // namespace
 
-using Bins = Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic>;
-
-// Grows one tree over bins, (samples x features): a node reads one feature of its samples at a time.
-class RandomForest::TreeGrower {
+class RandomForest::Booster {
  public:
-  TreeGrower(const Bins& bins, const std::vector<char>& labels, int tried, std::mt19937_64& rng)
-      : bins_(bins), labels_(labels), tried_(tried), rng_(rng), features_(static_cast<size_t>(bins.cols())) {
-    std::iota(features_.begin(), features_.end(), 0);
+  explicit Booster(const SampleRows& rows) {
+    const DMatrixHandle seen[] = {rows.handle()};
+    Check(XGBoosterCreate(seen, 1, &handle_));
   }
-
-  std::vector<Node> Grow() {
-    const int count = static_cast<int>(labels_.size());
-    boost::random::uniform_int_distribution<int> any(0, count - 1);
-    members_.resize(labels_.size());
-    for (int& member : members_) member = any(rng_);
-    nodes_.clear();
-    Grow(0, count);
-    return std::move(nodes_);
-  }
+  ~Booster() { XGBoosterFree(handle_); }
+  Booster(const Booster&) = delete;
+  Booster& operator=(const Booster&) = delete;
+  BoosterHandle handle() const { return handle_; }
+  void Set(const char* name, const std::string& value) { Check(XGBoosterSetParam(handle_, name, value.c_str())); }
 
  private:
-  struct Split {
-    double purity = -1;  // sum over both sides of ones^2 / size: greatest where the Gini index is least
-    int feature = -1;
-    int last_bin = 0;
-  };
-  struct Count {
-    int all = 0, ones = 0;
-  };
-
-  // Depth is bounded by the sample count in theory and some 30 in practice.
-  void Grow(int from, int to) {
-    const size_t node = nodes_.size();
-    int ones = 0;
-    for (int i = from; i < to; ++i) ones += labels_[members_[i]];
-    nodes_.push_back({.probability = static_cast<float>(ones) / static_cast<float>(to - from)});
-    if (ones == 0 || ones == to - from) return;
-    const Split best = FindSplit(from, to, ones);
-    if (best.feature < 0) return;  // samples that no feature tells apart
-    const std::uint8_t* column = bins_.col(best.feature).data();
-    const auto middle = std::partition(members_.begin() + from, members_.begin() + to,
-                                       [&](int i) { return column[i] <= best.last_bin; });
-    const int at = static_cast<int>(middle - members_.begin());
-    nodes_[node].feature = best.feature;
-    nodes_[node].last_bin = best.last_bin;
-    Grow(from, at);
-    nodes_[node].right = static_cast<int>(nodes_.size());
-    Grow(at, to);
-  }
-
-  Split FindSplit(int from, int to, int ones) {
-    Split best;
-    const int features = static_cast<int>(features_.size());
-    // Features that do not vary in the node do not count as tried once a split is missing.
-    for (int f = 0; f < features && (f < tried_ || best.feature < 0); ++f) {
-      std::swap(features_[f], features_[boost::random::uniform_int_distribution<int>(f, features - 1)(rng_)]);
-      TryFeature(features_[f], from, to, ones, &best);
-    }
-    return best;
-  }
-
-  void TryFeature(int feature, int from, int to, int ones, Split* best) {
-    const std::uint8_t* column = bins_.col(feature).data();
-    std::array<std::uint64_t, kBins / 64> filled{};  // a bit a bin: small nodes visit only what they fill
-    for (int i = from; i < to; ++i) {
-      const std::uint8_t bin = column[members_[i]];
-      ++counts_[bin].all;
-      counts_[bin].ones += labels_[members_[i]];
-      filled[bin / 64] |= std::uint64_t{1} << (bin % 64);
-    }
-    Count left;
-    int before = -1;
-    for (int word = 0; word < kBins / 64; ++word) {
-      for (std::uint64_t bits = filled[word]; bits != 0; bits &= bits - 1) {
-        const int bin = 64 * word + std::countr_zero(bits);
-        if (before >= 0) {
-          const double right_ones = ones - left.ones, right_all = to - from - left.all;
-          const double purity = static_cast<double>(left.ones) * left.ones / left.all + right_ones * right_ones / right_all;
-          if (purity > best->purity) *best = {purity, feature, (before + bin - 1) / 2};
-        }
-        left.all += counts_[bin].all;
-        left.ones += counts_[bin].ones;
-        counts_[bin] = {};
-        before = bin;
-      }
-    }
-  }
-
-  const Bins& bins_;
-  const std::vector<char>& labels_;
-  const int tried_;
-  std::mt19937_64& rng_;
-  std::vector<int> features_, members_;
-  std::array<Count, kBins> counts_{};
-  std::vector<Node> nodes_;
+  BoosterHandle handle_ = nullptr;
 };
 
+RandomForest::~RandomForest() = default;
+RandomForest::RandomForest(RandomForest&&) noexcept = default;
+RandomForest& RandomForest::operator=(RandomForest&&) noexcept = default;
+
 RandomForest::RandomForest(const Eigen::MatrixXf& samples, const std::vector<char>& labels, const RandomForestOptions& options,
-                           std::mt19937_64& rng) {
-  const int features = static_cast<int>(samples.rows());
+                           std::mt19937_64& rng)
+    : features_(samples.rows()) {
   if (static_cast<Eigen::Index>(labels.size()) != samples.cols()) {
     throw std::invalid_argument("RandomForest: " + std::to_string(labels.size()) + " labels for " + std::to_string(samples.cols()) +
                                 " samples");
@@ -134,48 +66,48 @@ RandomForest::RandomForest(const Eigen::MatrixXf& samples, const std::vector<cha
   const auto ones = std::count(labels.begin(), labels.end(), 1);
   if (ones == 0 || ones == samples.cols()) throw std::invalid_argument("RandomForest: both classes need samples");
   if (!samples.allFinite()) throw std::invalid_argument("RandomForest: samples hold values that are not finite");
-  if (features < 1 || options.trees < 1 || options.features < 0 || options.features > features) {
-    throw std::invalid_argument("RandomForest: needs at least one tree and one feature, and not more features than there are");
+  if (features_ < 1 || options.trees < 1 || options.depth < 1 || options.features < 0 || options.features > features_) {
+    throw std::invalid_argument("RandomForest: needs a tree, a level and a feature at least, and not more features than there are");
   }
-  for (int f = 0; f < features; ++f) {
-    const Eigen::VectorXf values = samples.row(f);
-    edges_.push_back(BinEdges({values.begin(), values.end()}));
-  }
-  const int tried = options.features > 0 ? options.features
-                                         : std::max(1, static_cast<int>(std::lround(std::sqrt(static_cast<double>(features)))));
-  const Bins bins = Binned(samples);
-  TreeGrower grower(bins, labels, tried, rng);
-  for (int t = 0; t < options.trees; ++t) trees_.push_back(grower.Grow());
-}
+  const double tried = options.features > 0 ? options.features : std::max(1.0, std::round(std::sqrt(static_cast<double>(features_))));
 
-Bins RandomForest::Binned(const Eigen::MatrixXf& samples) const {
-  if (samples.rows() != static_cast<Eigen::Index>(edges_.size())) {
-    throw std::invalid_argument("RandomForest: samples of " + std::to_string(edges_.size()) + " features expected, not " +
-                                std::to_string(samples.rows()));
-  }
-  Bins bins(samples.cols(), samples.rows());
-  for (Eigen::Index f = 0; f < samples.rows(); ++f) {
-    const std::vector<float>& edges = edges_[static_cast<size_t>(f)];
-    for (Eigen::Index i = 0; i < samples.cols(); ++i) {
-      bins(i, f) = static_cast<std::uint8_t>(std::lower_bound(edges.begin(), edges.end(), samples(f, i)) - edges.begin());
-    }
-  }
-  return bins;
+  const SampleRows rows(samples);
+  const std::vector<float> classes(labels.begin(), labels.end());
+  Check(XGDMatrixSetFloatInfo(rows.handle(), "label", classes.data(), classes.size()));
+  booster_ = std::make_unique<Booster>(rows);
+  // Squared errors without shrinkage or penalty: a leaf holds the mean of its labels, a split is the best by the Gini index (for labels
+  // of 0 and 1 that is the variance), and one round of trees side by side is their mean.
+  booster_->Set("objective", "reg:squarederror");
+  booster_->Set("base_score", "0.5");
+  booster_->Set("learning_rate", "1");
+  booster_->Set("lambda", "0");
+  booster_->Set("num_parallel_tree", std::to_string(options.trees));
+  booster_->Set("subsample", std::to_string(kPartSeen));
+  // It takes the whole part of a product, which must not fall short of a whole number by rounding.
+  booster_->Set("colsample_bynode", std::to_string(std::min(1.0, (tried + 0.01) / static_cast<double>(features_))));
+  booster_->Set("tree_method", "hist");
+  booster_->Set("max_bin", std::to_string(kBins));
+  booster_->Set("max_depth", std::to_string(options.depth));
+  booster_->Set("seed", std::to_string(rng() >> 33));
+  booster_->Set("nthread", "1");
+  booster_->Set("verbosity", "0");
+  Check(XGBoosterUpdateOneIter(booster_->handle(), 0, rows.handle()));
 }
 
 Eigen::VectorXd RandomForest::Predict(const Eigen::MatrixXf& samples) const {
-  const Bins bins = Binned(samples);
-  Eigen::VectorXd probabilities = Eigen::VectorXd::Zero(bins.rows());
-  for (const std::vector<Node>& tree : trees_) {
-    for (Eigen::Index i = 0; i < bins.rows(); ++i) {
-      size_t node = 0;
-      while (tree[node].feature >= 0) {
-        node = bins(i, tree[node].feature) <= tree[node].last_bin ? node + 1 : static_cast<size_t>(tree[node].right);
-      }
-      probabilities[i] += tree[node].probability;
-    }
+  if (samples.rows() != features_) {
+    throw std::invalid_argument("RandomForest: samples of " + std::to_string(features_) + " features expected, not " +
+                                std::to_string(samples.rows()));
   }
-  return probabilities / static_cast<double>(trees_.size());
+  if (samples.cols() == 0) return {};
+  const SampleRows rows(samples);
+  static constexpr char kPlainValues[] =
+      R"({"type": 0, "training": false, "iteration_begin": 0, "iteration_end": 0, "strict_shape": false})";
+  const bst_ulong* shape = nullptr;
+  bst_ulong dimensions = 0;
+  const float* values = nullptr;
+  Check(XGBoosterPredictFromDMatrix(booster_->handle(), rows.handle(), kPlainValues, &shape, &dimensions, &values));
+  return Eigen::Map<const Eigen::VectorXf>(values, samples.cols()).cast<double>().cwiseMax(0).cwiseMin(1);  // rounding of their mean
 }
 
 }  // namespace morphograph

@@ -1,7 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <cstdint>
+#include <memory>
 #include <random>
 #include <vector>
 
@@ -9,38 +9,35 @@ namespace morphograph {
 
 struct RandomForestOptions {
   int trees = 200;
+  int depth = 6;     // greatest, of a tree
   int features = 0;  // tried at a node; 0: the square root of how many there are
 };
 
-/// A random forest of two classes (Breiman 2001) that gives probabilities: each tree is grown on a bootstrap sample until its
-/// leaves are pure, and the shares of class 1 in the leaves that a sample falls into are averaged.
+/// A random forest of two classes (Breiman 2001) that gives probabilities: each tree is grown on its own part of the samples, each node is
+/// split by the best of some features drawn for it, and the shares of class 1 in the leaves that a sample falls into are averaged.
 ///
-/// A split is the best by the Gini index among features drawn for its node. Differs from the source: values are first sorted into
-/// up to 256 bins of equal counts, and splits lie between bins. An exact search sorts at every node, which made OpenCV's
-/// forest some twenty times slower here, too slow for the hundreds of forests that a study grows.
+/// XGBoost grows it (Chen & Guestrin 2016), as one round of trees side by side. Differs from Breiman: a tree sees a random 63 % of the
+/// samples in place of as many drawn with repetition; values are binned into 32 before splits are sought (its method `hist`); and
+/// trees end at a depth, as XGBoost's do by default, which costs no power here: on windows of 220 values that differ a little it
+/// tells 500 from 500 at an area under the curve of 0.82, trees grown until their leaves are pure at 0.80.
 class RandomForest {
  public:
+  /// Grows on the calling thread alone; the same samples and generator give the same forest.
   /// @param samples  (features x N), finite. @param labels  (N), 0 or 1.
   /// @throws std::invalid_argument when sizes do not fit, a class has no sample, or an option is out of range.
   RandomForest(const Eigen::MatrixXf& samples, const std::vector<char>& labels, const RandomForestOptions& options,
                std::mt19937_64& rng);
+  ~RandomForest();
+  RandomForest(RandomForest&&) noexcept;
+  RandomForest& operator=(RandomForest&&) noexcept;
 
-  /// Probability of class 1, (N), for samples (features x N). @throws std::invalid_argument when the features differ.
+  /// Probability of class 1, (N), for samples (features x N). One thread at a time. @throws std::invalid_argument when the features differ.
   Eigen::VectorXd Predict(const Eigen::MatrixXf& samples) const;
 
  private:
-  struct Node {
-    int feature = -1;    // -1: a leaf
-    int last_bin = 0;    // of the left child, which is the next node; the right one is `right`
-    int right = 0;
-    float probability = 0;
-  };
-  class TreeGrower;
-
-  Eigen::Matrix<std::uint8_t, Eigen::Dynamic, Eigen::Dynamic> Binned(const Eigen::MatrixXf& samples) const;
-
-  std::vector<std::vector<float>> edges_;  // per feature: greatest value of each bin but the last
-  std::vector<std::vector<Node>> trees_;
+  class Booster;
+  std::unique_ptr<Booster> booster_;
+  Eigen::Index features_ = 0;
 };
 
 }  // namespace morphograph
