@@ -13,7 +13,7 @@ struct RidgeRegression {
   Eigen::VectorXd Mean(const Eigen::VectorXd& input) const { return map * input; }
 };
 
-/// The ridge is the one of maximum marginal likelihood (internal/linear_evidence.h).
+/// Every output has the ridge of its maximum marginal likelihood (internal/linear_map.h).
 /// @param inputs  (D x N), @param outputs  (E x N). @param groups  per column; the columns of a group are never used to judge each other.
 /// @throws std::invalid_argument when sizes do not fit or there are fewer than two groups.
 RidgeRegression FitRidge(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const std::vector<int>& groups);

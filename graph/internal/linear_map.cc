@@ -41,6 +41,7 @@ LinearRidges ForScale(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outp
 }  // namespace
 
 LinearRidges SearchLinearRidges(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& scales) {
+  if (scales.size() == 0) return ForScale(inputs, outputs, Eigen::VectorXd::Ones(inputs.rows()));
   LinearRidges best;
   best.log_likelihood = -std::numeric_limits<double>::infinity();
   for (const double power : {0.0, 0.25, 0.5, 0.75, 1.0}) {

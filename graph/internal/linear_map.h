@@ -15,8 +15,9 @@ struct LinearRidges {
   double log_likelihood = 0;       // of the pairs it was chosen by
 };
 
-/// @param inputs  (D x N). @param outputs  (E x N). @param scales  s (D), > 0.
-LinearRidges SearchLinearRidges(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& scales);
+/// @param inputs  (D x N). @param outputs  (E x N). @param scales  s (D), > 0; empty: all inputs are believed alike.
+LinearRidges SearchLinearRidges(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
+                                const Eigen::VectorXd& scales = {});
 
 /// The map (E x D) that pairs give under these ridges, and what it misses each pair by when the pairs of the same group are left out
 /// (Rasmussen & Williams 2006, Eq. 5.12, for blocks).

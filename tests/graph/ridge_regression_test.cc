@@ -10,7 +10,7 @@
 namespace morphograph {
 namespace {
 
-constexpr int kDims = 4, kOutputs = 3, kCount = 120;
+constexpr int kInputs = 4, kOutputs = 3, kCount = 120;
 constexpr double kNoise = 0.3;
 
 struct Data {
@@ -20,7 +20,7 @@ struct Data {
 
 Data LinearData() {
   std::mt19937_64 rng(11);
-  Data data{testing::RandomNormal(kOutputs, kDims, rng), testing::RandomNormal(kDims, kCount, rng), {}, {}};
+  Data data{testing::RandomNormal(kOutputs, kInputs, rng), testing::RandomNormal(kInputs, kCount, rng), {}, {}};
   data.outputs = data.map * data.inputs + kNoise * testing::RandomNormal(kOutputs, kCount, rng);
   for (int i = 0; i < kCount; ++i) data.groups.push_back(i / 3);
   return data;
