@@ -43,10 +43,8 @@ struct Measured {
   std::optional<double> frechet, auc_above_floor, contact, naturalness, skate, acceleration, jerk;
 };
 
-std::optional<double> Ratio(double a, double b) { return b > 0 ? std::optional(a / b) : std::nullopt; }
-
 // Some of the clips, spread over the styles in their proportion.
-std::vector<MotionClip> Spread(const StyledClips& clips, size_t most) {
+std::vector<MotionClip> SpreadOverStyles(const StyledClips& clips, size_t most) {
   size_t all = 0;
   for (const auto& [style, of_style] : clips) all += of_style.size();
   std::vector<MotionClip> chosen;
@@ -67,11 +65,11 @@ struct Reference {
 Measured Measure(const std::vector<MotionClip>& drawn, const Reference& reference, const StudyOptions& options) {
   Measured measured;
   const SetQuality quality = MeasureSet(drawn, {.piece_frames = reference.piece_frames});
-  measured.contact = Ratio(quality.contact_distance_m, reference.quality.contact_distance_m);
-  measured.naturalness = Ratio(quality.naturalness, reference.quality.naturalness);
-  measured.skate = Ratio(quality.foot_skate_cm_s, reference.quality.foot_skate_cm_s);
-  measured.acceleration = Ratio(quality.acceleration_p999_m_s2, reference.quality.acceleration_p999_m_s2);
-  measured.jerk = Ratio(quality.mean_jerk_m_s3, reference.quality.mean_jerk_m_s3);
+  measured.contact = RatioTo(quality.contact_distance_m, reference.quality.contact_distance_m);
+  measured.naturalness = RatioTo(quality.naturalness, reference.quality.naturalness);
+  measured.skate = RatioTo(quality.foot_skate_cm_s, reference.quality.foot_skate_cm_s);
+  measured.acceleration = RatioTo(quality.acceleration_p999_m_s2, reference.quality.acceleration_p999_m_s2);
+  measured.jerk = RatioTo(quality.mean_jerk_m_s3, reference.quality.mean_jerk_m_s3);
   try {
     measured.frechet = CompareSets(drawn, reference.clips, options.seed).frechet_ratio;
   } catch (const std::invalid_argument&) {  // too few windows to tell
@@ -114,7 +112,7 @@ StudySection StudyAblations(StudyContext& context) {
     if (clip.frame_count() >= 15) reference.clips.push_back(clip);
   }
   const StyledClips by_style = ByStyle(reference.clips);
-  reference.some = Spread(by_style, 90);
+  reference.some = SpreadOverStyles(by_style, 90);
   reference.folds = reference.some.size() < 4 ? 0 : static_cast<int>(std::min<size_t>(5, reference.some.size() / 2));
   reference.quality = MeasureSet(reference.clips, {.piece_frames = reference.piece_frames});
 

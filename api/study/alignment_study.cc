@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
+#include "api/study/markup.h"
 #include "api/study/study_steps.h"
 #include "datasets/forward_kinematics.h"
 #include "datasets/parallel_for.h"
@@ -26,7 +26,7 @@ struct Way {
 };
 
 constexpr std::array kPowers = {0, 1, 2, 3, 4};
-constexpr size_t kUnweighted = 0, kWeighted = 1;  // ways 0 to 4 are the powers of depth
+constexpr size_t kNoWeights = 0, kDepthWeights = 1;  // ways 0 to 4 are the powers of depth
 
 // Joints at or below those of two roles.
 Eigen::VectorXd Below(const Skeleton& skeleton, JointRole left, JointRole right) {
@@ -56,7 +56,7 @@ std::vector<Way> Ways(const Skeleton& skeleton) {
   ways.push_back({"without_legs", "unweighted, without legs", "no legs", bones * (1 - legs)});
   ways.push_back({"without_limbs", "unweighted, trunk and head only", "trunk", bones * (1 - arms) * (1 - legs)});
   ways.push_back({"unweighted_segment", "unweighted, one move for the step", "one move", bones, AlignmentTransform::kSegment});
-  ways.push_back({"weighted_segment", "1 / (1 + depth), one move for the step", "", ways[kWeighted].weights, AlignmentTransform::kSegment});
+  ways.push_back({"weighted_segment", "1 / (1 + depth), one move for the step", "", ways[kDepthWeights].weights, AlignmentTransform::kSegment});
   for (Way& way : ways) way.weights /= way.weights.sum();
   return ways;
 }
@@ -138,13 +138,13 @@ std::vector<Quality> MeasurePooled(const StepFrames& frames, const std::vector<W
     for (const int m : frames.steps.aligned[c].steady) {
       const Frames test = frames.Of(c, m);
       if ((static_cast<size_t>(c) == first && m == own) || !CanWarp(static_cast<int>(reference.size()), static_cast<int>(test.size()))) continue;
-      for (const size_t w : {kUnweighted, kWeighted})
+      for (const size_t w : {kNoWeights, kDepthWeights})
         of_class[c][w].Add(AlignSegment(reference, test, ways[w].weights, frames.root).root, path, frames.rate_hz(first, own));
     }
   });
   std::vector<Quality> all(2);
   for (const std::vector<Quality>& quality : of_class) {
-    for (const size_t w : {kUnweighted, kWeighted}) {
+    for (const size_t w : {kNoWeights, kDepthWeights}) {
       all[w].path_difference_m += quality[w].path_difference_m;
       all[w].speed_variance += quality[w].speed_variance;
       all[w].steps += quality[w].steps;
@@ -172,16 +172,8 @@ std::vector<Quality> MeanOverClasses(const std::vector<std::vector<Quality>>& cl
   return mean;
 }
 
-ordered_json Json(const Quality& quality) {
+ordered_json QualityJson(const Quality& quality) {
   return {{"path_difference_m", quality.path_difference_m}, {"speed_variance_m2_s2", quality.speed_variance}, {"steps", quality.steps}};
-}
-
-std::optional<double> Ratio(double value, double by) { return by > 0 ? std::optional(value / by) : std::nullopt; }
-
-std::string Number(double value, const char* form = "%.2f") {
-  char text[40];
-  std::snprintf(text, sizeof text, form, value);
-  return text;
 }
 
 // The step of the first class that turns most against its reference: Du's "hard" case.
@@ -221,10 +213,10 @@ void DrawHardStep(const StepFrames& frames, const std::vector<Way>& ways, const 
   const int own = frames.steps.aligned[c].reference;
   const Frames reference = frames.Of(c, own), test = frames.Of(c, hard);
   const double rate_hz = frames.rate_hz(c, own);
-  const SegmentAlignment weighted = AlignSegment(reference, test, ways[kWeighted].weights, frames.root);
-  const SegmentAlignment unweighted = AlignSegment(reference, test, ways[kUnweighted].weights, frames.root);
+  const SegmentAlignment weighted = AlignSegment(reference, test, ways[kDepthWeights].weights, frames.root);
+  const SegmentAlignment unweighted = AlignSegment(reference, test, ways[kNoWeights].weights, frames.root);
   const double turn = std::abs(frames.Turn(c, hard)) * 180 / M_PI;
-  const std::string which = frames.steps.Name(c) + ", " + data_name + ": a step that turns by " + Number(turn, "%.0f") + " degrees";
+  const std::string which = frames.steps.Name(c) + ", " + data_name + ": a step that turns by " + FixedNumber(turn, 0) + " degrees";
 
   HeatMap map;
   map.title = "Frame distance of a step to its reference, and the warp";
@@ -241,7 +233,7 @@ void DrawHardStep(const StepFrames& frames, const std::vector<Way>& ways, const 
 
   // The raw step is put where its first frame meets the reference's, to be seen beside it.
   PlanarTransform move;
-  FrameDistance(reference.front(), test.front(), ways[kWeighted].weights, &move);
+  FrameDistance(reference.front(), test.front(), ways[kDepthWeights].weights, &move);
   Frames raw = test;
   for (Eigen::Matrix3Xd& pose : raw) pose.col(frames.root) = (move * Eigen::Vector3d(pose.col(frames.root))).eval();
   const Eigen::Matrix2Xd reference_path = FloorPath(reference, frames.root), raw_path = FloorPath(raw, frames.root);
@@ -249,8 +241,8 @@ void DrawHardStep(const StepFrames& frames, const std::vector<Way>& ways, const 
   paths.title = "Path of the root over the floor";
   paths.x_label = "x, m", paths.y_label = "z, m", paths.y_from_zero = false;
   paths.caption = which + ". Aligned frame by frame, the root should run along the reference's (Du Fig. 4.10). Path difference: weighted " +
-                  Number(1000 * PathDifference(weighted.root, reference_path), "%.1f") + " mm, unweighted " +
-                  Number(1000 * PathDifference(unweighted.root, reference_path), "%.1f") + " mm.";
+                  FixedNumber(1000 * PathDifference(weighted.root, reference_path), 1) + " mm, unweighted " +
+                  FixedNumber(1000 * PathDifference(unweighted.root, reference_path), 1) + " mm.";
   paths.series = {Line("as captured", raw_path, true), Line("reference", reference_path), Line("unweighted", unweighted.root),
                   Line("weighted", weighted.root)};
   section->drawings.push_back(paths);
@@ -300,7 +292,7 @@ StudySection StudyAlignment(StudyContext& context) {
     const std::vector<std::vector<Quality>> classes = MeasureClasses(frames, ways, context.options().jobs);
     const std::vector<Quality> mean = MeanOverClasses(classes);
     const std::vector<Quality> pooled = MeasurePooled(frames, ways, context.options().jobs);
-    if (mean[kUnweighted].steps == 0) {
+    if (mean[kNoWeights].steps == 0) {
       section.text = "No class holds a second step to align to its reference.";
       return section;
     }
@@ -308,7 +300,7 @@ StudySection StudyAlignment(StudyContext& context) {
     ChartSeries bar{.name = name, .x = {}, .y = {}, .form = ChartSeries::Form::kBars};
     bars.x_names.clear();
     for (size_t w = 0; w < ways.size(); ++w) {
-      out["mean"][ways[w].key] = Json(mean[w]);
+      out["mean"][ways[w].key] = QualityJson(mean[w]);
       out["mean"][ways[w].key]["weights"] = ways[w].name;
       out["mean"][ways[w].key]["weight_of_root"] = ways[w].weights[skeleton.moving_root()];
       if (ways[w].bar.empty()) continue;
@@ -317,19 +309,19 @@ StudySection StudyAlignment(StudyContext& context) {
     }
     bars.series.push_back(bar);
     out["as_captured_speed_variance_m2_s2"] = mean.back().speed_variance;
-    out["styles_pooled"] = {{"unweighted", Json(pooled[kUnweighted])}, {"weighted", Json(pooled[kWeighted])}};
+    out["styles_pooled"] = {{"unweighted", QualityJson(pooled[kNoWeights])}, {"weighted", QualityJson(pooled[kDepthWeights])}};
     for (size_t c = 0; c < classes.size(); ++c) {
       ordered_json of_class = {{"class", frames.steps.Name(c)}};
-      for (const size_t w : {kUnweighted, kWeighted}) of_class[ways[w].key] = Json(classes[c][w]);
+      for (const size_t w : {kNoWeights, kDepthWeights}) of_class[ways[w].key] = QualityJson(classes[c][w]);
       out["classes"].push_back(of_class);
     }
     ChartSeries line{.name = name, .x = {}, .y = {}};
     for (size_t p = 0; p < kPowers.size(); ++p) {
       line.x.push_back(kPowers[p]);
-      line.y.push_back(mean[p].path_difference_m / mean[kUnweighted].path_difference_m);
+      line.y.push_back(mean[p].path_difference_m / mean[kNoWeights].path_difference_m);
     }
     powers.series.push_back(line);
-    ratio[d] = mean[kWeighted].path_difference_m / mean[kUnweighted].path_difference_m;
+    ratio[d] = mean[kDepthWeights].path_difference_m / mean[kNoWeights].path_difference_m;
     const bool clean = data == StudyData::kClean;
     section.figures.push_back({.what = "path difference after alignment, weighted / unweighted, " + name,
                                .value = ratio[d],
@@ -337,33 +329,33 @@ StudySection StudyAlignment(StudyContext& context) {
                                .source = "Du Table 4.3",
                                .at_most = clean ? 0.25 : 0.44,
                                .note = "weights 1 / (1 + depth) on these skeletons; squared, " +
-                                       Number(mean[2].path_difference_m / mean[kUnweighted].path_difference_m) + ": see the section"});
+                                       FixedNumber(mean[2].path_difference_m / mean[kNoWeights].path_difference_m) + ": see the section"});
     section.figures.push_back({.what = "path difference after alignment, weighted, " + name,
-                               .value = mean[kWeighted].path_difference_m,
+                               .value = mean[kDepthWeights].path_difference_m,
                                .unit = "m",
                                .published = clean ? 0.015 : 0.218,
                                .source = "Du Table 4.3",
-                               .note = "unweighted " + Number(mean[kUnweighted].path_difference_m, "%.4f") + " m, published " +
+                               .note = "unweighted " + FixedNumber(mean[kNoWeights].path_difference_m, 4) + " m, published " +
                                        (clean ? "0.061" : "0.496") + " m"});
     section.figures.push_back({.what = "variance of speed after alignment, weighted / unweighted, " + name,
-                               .value = Ratio(mean[kWeighted].speed_variance, mean[kUnweighted].speed_variance),
+                               .value = RatioTo(mean[kDepthWeights].speed_variance, mean[kNoWeights].speed_variance),
                                .published = clean ? 0.0009 / 0.0074 : 140.329 / 686.414,
                                .source = "Du Table 4.3",
-                               .note = "weighted " + Number(mean[kWeighted].speed_variance, "%.4f") + " m²/s², as captured " +
-                                       Number(mean.back().speed_variance, "%.4f")});
-    measured += "On " + name + " data the path difference is " + Number(1000 * mean[kUnweighted].path_difference_m, "%.1f") +
-                " mm without weights and " + Number(1000 * mean[kWeighted].path_difference_m, "%.1f") + " mm with them, a ratio of " +
-                Number(ratio[d]) + " (steps of all styles against one reference: " +
-                Number(pooled[kWeighted].path_difference_m / std::max(1e-12, pooled[kUnweighted].path_difference_m)) + "). Squared weights give " +
-                Number(mean[2].path_difference_m / mean[kUnweighted].path_difference_m) + ", cubed ones " +
-                Number(mean[3].path_difference_m / mean[kUnweighted].path_difference_m) +
-                ", weights that fall in a straight line " + Number(mean[5].path_difference_m / mean[kUnweighted].path_difference_m) +
+                               .note = "weighted " + FixedNumber(mean[kDepthWeights].speed_variance, 4) + " m²/s², as captured " +
+                                       FixedNumber(mean.back().speed_variance, 4)});
+    measured += "On " + name + " data the path difference is " + FixedNumber(1000 * mean[kNoWeights].path_difference_m, 1) +
+                " mm without weights and " + FixedNumber(1000 * mean[kDepthWeights].path_difference_m, 1) + " mm with them, a ratio of " +
+                FixedNumber(ratio[d]) + " (steps of all styles against one reference: " +
+                FixedNumber(pooled[kDepthWeights].path_difference_m / std::max(1e-12, pooled[kNoWeights].path_difference_m)) + "). Squared weights give " +
+                FixedNumber(mean[2].path_difference_m / mean[kNoWeights].path_difference_m) + ", cubed ones " +
+                FixedNumber(mean[3].path_difference_m / mean[kNoWeights].path_difference_m) +
+                ", weights that fall in a straight line " + FixedNumber(mean[5].path_difference_m / mean[kNoWeights].path_difference_m) +
                 ". Without any weights but with the arms left out it is " +
-                Number(mean[6].path_difference_m / mean[kUnweighted].path_difference_m) + " of the whole body's, without the legs " +
-                Number(mean[7].path_difference_m / mean[kUnweighted].path_difference_m) + ", with trunk and head only " +
-                Number(mean[8].path_difference_m / mean[kUnweighted].path_difference_m) +
-                ". One move for a whole step in place of one for each frame leaves " + Number(1000 * mean[9].path_difference_m, "%.1f") +
-                " mm unweighted and " + Number(1000 * mean[10].path_difference_m, "%.1f") + " mm weighted.\n\n";
+                FixedNumber(mean[6].path_difference_m / mean[kNoWeights].path_difference_m) + " of the whole body's, without the legs " +
+                FixedNumber(mean[7].path_difference_m / mean[kNoWeights].path_difference_m) + ", with trunk and head only " +
+                FixedNumber(mean[8].path_difference_m / mean[kNoWeights].path_difference_m) +
+                ". One move for a whole step in place of one for each frame leaves " + FixedNumber(1000 * mean[9].path_difference_m, 1) +
+                " mm unweighted and " + FixedNumber(1000 * mean[10].path_difference_m, 1) + " mm weighted.\n\n";
     if (data == StudyData::kNoisy) DrawHardStep(frames, ways, name, &section);
   }
   section.drawings.insert(section.drawings.begin(), {bars, powers});
@@ -376,8 +368,8 @@ StudySection StudyAlignment(StudyContext& context) {
       measured +
       "How to read the ratio: where every frame is moved on its own, the root can lie off only because the rest of the body pulls it. So the "
       "ratio is mostly a matter of how much of all weight the root itself has: on this skeleton " +
-      Number(100 * root_share[0], "%.0f") + " % without weights, " + Number(100 * root_share[1], "%.0f") + " % with 1 / (1 + depth), " +
-      Number(100 * root_share[2], "%.0f") + " % with that squared. Du does not print the weights, only that they are \"inverse linearly "
+      FixedNumber(100 * root_share[0], 0) + " % without weights, " + FixedNumber(100 * root_share[1], 0) + " % with 1 / (1 + depth), " +
+      FixedNumber(100 * root_share[2], 0) + " % with that squared. Du does not print the weights, only that they are \"inverse linearly "
       "proportional\" to depth; the chart shows how steep they must be for the published ratios. His unweighted steps lie 61 mm "
       "(Vicon) and 496 mm (markerless) off, ours a few millimetres to centimetres: classes by style and side, cuts at sub-frame key "
       "frames and a skeleton without fingers leave little for weights to mend; and noise of the root itself, or of the reference, no weights can "

@@ -61,13 +61,6 @@ std::vector<LabelledFrame> FoundByFeature(const MotionClip& clip, const Keyframe
   return labels;
 }
 
-std::vector<KnownClip> Spread(const std::vector<KnownClip>& clips, size_t count) {
-  if (clips.size() <= count) return clips;
-  std::vector<KnownClip> some;
-  for (size_t i = 0; i < count; ++i) some.push_back(clips[i * clips.size() / count]);
-  return some;
-}
-
 struct Outcome {
   KeyframeScore score;
   double seconds = 0, frames = 0;
@@ -115,7 +108,7 @@ Learned JudgeLearned(const std::vector<KnownClip> (&halves)[2], const std::vecto
   return learned;
 }
 
-ordered_json Json(const Outcome& outcome) {
+ordered_json OutcomeJson(const Outcome& outcome) {
   return {{"precision", outcome.score.precision()},
           {"extraction_rate", outcome.score.extraction_rate()},
           {"distortion_ms", 1000 * outcome.score.distortion_s()},
@@ -159,9 +152,9 @@ StudySection StudyKeyframes(StudyContext& context) {
   }
   std::erase_if(known, [](const KnownClip& clip) { return clip.reference.empty(); });
   if (options.quick) {
-    known = Spread(known, kQuickClips);
+    known = SpreadOver(known, kQuickClips);
   } else if (!labelled) {
-    known = Spread(known, kMostUnlabelled);
+    known = SpreadOver(known, kMostUnlabelled);
   }
   if (known.empty()) throw DatasetError("key frames", "no clip has a landing that is labelled or can be found by feature");
   std::vector<KnownClip> halves[2];
@@ -200,19 +193,19 @@ StudySection StudyKeyframes(StudyContext& context) {
       const Outcome outcome = Judge(known, clips, options.jobs, [&](const MotionClip& clip) { return DetectKeyframes(clip, detector); });
       const double values[] = {outcome.score.precision(), outcome.score.extraction_rate(), 1000 * outcome.score.distortion_s()};
       for (int m = 0; m < 3; ++m) curves[m].x.push_back(step_s), curves[m].y.push_back(values[m]);
-      ordered_json at = Json(outcome);
+      ordered_json at = OutcomeJson(outcome);
       at["least_step_s"] = step_s;
       out["by_feature"].push_back(at);
     }
     by_feature[d] = Judge(known, clips, options.jobs, [&](const MotionClip& clip) { return DetectKeyframes(clip, usual); });
-    out["by_feature_as_used"] = Json(by_feature[d]);
+    out["by_feature_as_used"] = OutcomeJson(by_feature[d]);
     for (int m = 0; m < 3; ++m) {
       curves[m].name = "by feature, " + name;
       charts[m].series.push_back(curves[m]);
     }
     if (!can_learn) continue;
     learned[d] = JudgeLearned(halves, clips, options.jobs);
-    out["learned"] = Json(learned[d].detection);
+    out["learned"] = OutcomeJson(learned[d].detection);
     const KeyframeScore& score = learned[d].detection.score;
     const double values[] = {score.precision(), score.extraction_rate(), 1000 * score.distortion_s()};
     for (int m = 0; m < 3; ++m) {

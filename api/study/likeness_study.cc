@@ -7,6 +7,7 @@
 #include "api/study/sample_study.h"
 #include "datasets/error_reason.h"
 #include "datasets/parallel_for.h"
+#include "synthesis/clip_ends.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/evaluation_motion.h"
 #include "synthesis/frechet_distance.h"
@@ -47,7 +48,7 @@ struct StyleLikeness {
 };
 
 std::vector<MotionClip> CutClips(const std::vector<MotionClip>& clips, const Cut& cut) {
-  if (cut.trimmed) return Trimmed(clips);
+  if (cut.trimmed) return WithoutEnds(clips);
   std::vector<MotionClip> long_enough;  // to hold a window
   for (const MotionClip& clip : clips) {
     if (clip.frame_count() >= PoseWindowOptions().frames) long_enough.push_back(clip);
@@ -116,8 +117,6 @@ void JudgeHalves(const Halves& halves, bool classify, const StudyOptions& option
   mean.difference = mean.auc - mean.floor;
   likeness->half_told = mean;
 }
-
-Json OrNull(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
 
 Json ToldJson(const std::optional<WindowDistinction>& told) {
   if (!told) return nullptr;

@@ -46,4 +46,10 @@ std::string ShortNumber(double value, int digits) {
   return written == "-0" ? "0" : written;
 }
 
+std::string FixedNumber(double value, int decimals) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*f", decimals, value);
+  return text;
+}
+
 }  // namespace morphograph

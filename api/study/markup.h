@@ -13,4 +13,7 @@ std::string Escaped(std::string_view text);
 /// it is not finite.
 std::string ShortNumber(double value, int digits = 3);
 
+/// A number with a fixed number of decimals.
+std::string FixedNumber(double value, int decimals = 2);
+
 }  // namespace morphograph

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 #include <random>
 
+#include "api/study/markup.h"
 #include "api/study/study_steps.h"
 #include "datasets/errors.h"
 #include "datasets/parallel_for.h"
@@ -20,9 +20,9 @@ namespace {
 using nlohmann::ordered_json;
 
 constexpr std::array kForms = {CovarianceForm::kFull, CovarianceForm::kTied, CovarianceForm::kDiagonal};
-enum Reduction { kWeighted, kPlain };
+enum Reduction { kWithWeights, kWithoutWeights };
 constexpr std::array kReductionNames = {"weighted PCA", "plain PCA"};
-constexpr int kFewestSteps = 12;
+constexpr int kFewestForMixture = 12;
 // Noisy steps need over a hundred components for 99 % of their variance, most of it noise, and a full covariance of that size for each
 // Gaussian: minutes of fitting to learn that one is best.
 constexpr int kMostComponents = 40;
@@ -39,7 +39,7 @@ struct FormTable {
   std::array<std::vector<double>, kForms.size()> values;
 };
 
-struct ClassResult {
+struct MixtureResult {
   int steps = 0;
   FormTable bic[2];      // by reduction
   FormTable held_out;    // log likelihood, weighted reduction; both halves judged by the other
@@ -70,21 +70,21 @@ double HeldOut(const GaussianMixture& mixture, const Eigen::MatrixXd& latents) {
   return sum / static_cast<double>(latents.cols());
 }
 
-ClassResult StudyClass(const Eigen::MatrixXd& all, const Eigen::MatrixXd (&halves)[2], const Eigen::VectorXd& scale, int most, std::uint64_t seed) {
-  ClassResult result;
+MixtureResult MixturesOfClass(const Eigen::MatrixXd& all, const Eigen::MatrixXd (&halves)[2], const Eigen::VectorXd& scale, int most, std::uint64_t seed) {
+  MixtureResult result;
   result.steps = static_cast<int>(all.cols());
   const Eigen::VectorXd weights[2] = {scale.cwiseAbs2(), Eigen::VectorXd::Ones(scale.size())};
   WeightedPca pca;
-  for (const Reduction reduction : {kWeighted, kPlain}) {
+  for (const Reduction reduction : {kWithWeights, kWithoutWeights}) {
     const Eigen::MatrixXd latents = Latents(all, weights[reduction], &pca);
     if (latents.rows() == 0) throw DatasetError("mixture", "the steps of a class are all alike");
     result.bic[reduction] =
         FitAll(latents, most, seed, [&](const GaussianMixtureFit& fit) { return fit.bic / static_cast<double>(latents.cols()); });
   }
-  if (std::min(halves[0].cols(), halves[1].cols()) < kFewestSteps) return result;
+  if (std::min(halves[0].cols(), halves[1].cols()) < kFewestForMixture) return result;
   result.has_held_out = true;
   for (int taught = 0; taught < 2; ++taught) {
-    const Eigen::MatrixXd latents = Latents(halves[taught], weights[kWeighted], &pca);
+    const Eigen::MatrixXd latents = Latents(halves[taught], weights[kWithWeights], &pca);
     const Eigen::MatrixXd judged = pca.ProjectAll(halves[1 - taught]);
     // Per dimension: the two halves keep their own numbers of components.
     const double dimensions = static_cast<double>(latents.rows());
@@ -100,10 +100,10 @@ ClassResult StudyClass(const Eigen::MatrixXd& all, const Eigen::MatrixXd (&halve
 
 // Mean over classes of one form; `of` picks the table.
 template <typename Of>
-std::vector<double> MeanOf(const std::vector<ClassResult>& classes, size_t form, const Of& of) {
+std::vector<double> MeanOf(const std::vector<MixtureResult>& classes, size_t form, const Of& of) {
   std::vector<double> mean;
   int counted = 0;
-  for (const ClassResult& result : classes) {
+  for (const MixtureResult& result : classes) {
     const FormTable* table = of(result);
     if (!table) continue;
     mean.resize(table->values[form].size(), 0);
@@ -122,7 +122,7 @@ std::vector<double> Least(const std::vector<std::vector<double>>& curves) {
   return least;
 }
 
-ChartSeries Series(const std::string& name, const std::vector<double>& values, bool dashed) {
+ChartSeries SeriesFromOne(const std::string& name, const std::vector<double>& values, bool dashed) {
   ChartSeries series{.name = name, .x = {}, .y = values};
   for (size_t k = 0; k < values.size(); ++k) series.x.push_back(static_cast<double>(k + 1));
   series.dashed = dashed;
@@ -175,12 +175,6 @@ std::optional<HeatMap> DrawDensity(const Eigen::MatrixXd& vectors, const Eigen::
   return map;
 }
 
-std::string Number(double value, const char* form = "%.2f") {
-  char text[40];
-  std::snprintf(text, sizeof text, form, value);
-  return text;
-}
-
 }  // namespace
 
 StudySection StudyMixture(StudyContext& context) {
@@ -209,34 +203,34 @@ StudySection StudyMixture(StudyContext& context) {
     const Eigen::VectorXd scale = StepWeights(steps.set.channel_weights);
     std::vector<size_t> groups;
     for (size_t c = 0; c < steps.classes.size(); ++c) {
-      if (steps.aligned[c].steady.size() >= kFewestSteps) groups.push_back(c);
+      if (steps.aligned[c].steady.size() >= kFewestForMixture) groups.push_back(c);
     }
     if (groups.empty()) {
-      measured += "The " + name + " data hold no class with " + std::to_string(kFewestSteps) + " steps: nothing can be told.\n\n";
+      measured += "The " + name + " data hold no class with " + std::to_string(kFewestForMixture) + " steps: nothing can be told.\n\n";
       continue;
     }
-    std::vector<ClassResult> classes(groups.size());
+    std::vector<MixtureResult> classes(groups.size());
     ParallelFor(options.jobs, static_cast<int>(groups.size()), [&](int g) {
       const size_t c = groups[g];
       const Eigen::MatrixXd& vectors = steps.aligned[c].vectors;
       const Eigen::MatrixXd halves[2] = {vectors(Eigen::all, steps.Half(context, c, 0)), vectors(Eigen::all, steps.Half(context, c, 1))};
-      classes[g] = StudyClass(vectors(Eigen::all, steps.aligned[c].steady), halves, scale, most, options.seed);
+      classes[g] = MixturesOfClass(vectors(Eigen::all, steps.aligned[c].steady), halves, scale, most, options.seed);
     });
 
     ordered_json& json = section.data[name];
     for (const size_t c : groups) json["classes"].push_back({{"class", steps.Name(c)}, {"steps", steps.aligned[c].steady.size()}});
     std::string chosen;
-    for (const Reduction reduction : {kWeighted, kPlain}) {
+    for (const Reduction reduction : {kWithWeights, kWithoutWeights}) {
       std::vector<std::vector<double>> by_form;
       for (size_t f = 0; f < kForms.size(); ++f) {
-        by_form.push_back(MeanOf(classes, f, [&](const ClassResult& result) { return &result.bic[reduction]; }));
-        json[reduction == kWeighted ? "bic_per_step_weighted" : "bic_per_step_plain"][std::string(CovarianceFormName(kForms[f]))] = by_form.back();
-        if (reduction == kWeighted) forms.series.push_back(Series(std::string(CovarianceFormName(kForms[f])) + ", " + name, by_form.back(), data == StudyData::kNoisy));
+        by_form.push_back(MeanOf(classes, f, [&](const MixtureResult& result) { return &result.bic[reduction]; }));
+        json[reduction == kWithWeights ? "bic_per_step_weighted" : "bic_per_step_plain"][std::string(CovarianceFormName(kForms[f]))] = by_form.back();
+        if (reduction == kWithWeights) forms.series.push_back(SeriesFromOne(std::string(CovarianceFormName(kForms[f])) + ", " + name, by_form.back(), data == StudyData::kNoisy));
       }
       std::vector<double> least = Least(by_form);
       const double first = least.front();
       for (double& value : least) value -= first;
-      bic.series.push_back(Series(std::string(kReductionNames[reduction]) + ", " + name, least, reduction == kPlain));
+      bic.series.push_back(SeriesFromOne(std::string(kReductionNames[reduction]) + ", " + name, least, reduction == kWithoutWeights));
       const auto best = static_cast<int>(std::min_element(least.begin(), least.end()) - least.begin()) + 1;
       section.figures.push_back({.what = "Gaussians of the least BIC, " + std::string(kReductionNames[reduction]) + ", " + name,
                                  .value = best,
@@ -249,11 +243,11 @@ StudySection StudyMixture(StudyContext& context) {
     bool any = false;
     for (size_t f = 0; f < kForms.size(); ++f) {
       const std::vector<double> mean =
-          MeanOf(classes, f, [](const ClassResult& result) { return result.has_held_out ? &result.held_out : nullptr; });
+          MeanOf(classes, f, [](const MixtureResult& result) { return result.has_held_out ? &result.held_out : nullptr; });
       json["held_out_log_likelihood_per_step_and_component"][std::string(CovarianceFormName(kForms[f]))] = mean;
       if (mean.empty()) continue;
       any = true;
-      held_out.series.push_back(Series(std::string(CovarianceFormName(kForms[f])) + ", " + name, mean, data == StudyData::kNoisy));
+      held_out.series.push_back(SeriesFromOne(std::string(CovarianceFormName(kForms[f])) + ", " + name, mean, data == StudyData::kNoisy));
       const auto top = std::max_element(mean.begin(), mean.end());
       if (*top > best) best = *top, best_form = f, best_k = static_cast<size_t>(top - mean.begin()) + 1;
       if (*top < worst) worst = *top, worst_form = f;
@@ -261,13 +255,13 @@ StudySection StudyMixture(StudyContext& context) {
     measured += "On " + name + " data the criterion is least for " + chosen + " (Gaussians, mean over " + std::to_string(groups.size()) + " classes). ";
     if (any) {
       measured += "Steps left out are likeliest under " + std::to_string(best_k) + (best_k == 1 ? " Gaussian" : " Gaussians") + " with " +
-                  std::string(CovarianceFormName(kForms[best_form])) + " covariance: " + Number(best) + " per step and component, against " + Number(worst) +
+                  std::string(CovarianceFormName(kForms[best_form])) + " covariance: " + FixedNumber(best) + " per step and component, against " + FixedNumber(worst) +
                   " at best with " + std::string(CovarianceFormName(kForms[worst_form])) + " covariance.";
       section.figures.push_back({.what = "Gaussians of the greatest likelihood of steps left out, " + name,
                                  .value = static_cast<double>(best_k),
                                  .note = std::string(CovarianceFormName(kForms[best_form])) + " covariance"});
     } else {
-      measured += "No class has " + std::to_string(kFewestSteps) + " steps in both halves, so nothing is said of steps left out.";
+      measured += "No class has " + std::to_string(kFewestForMixture) + " steps in both halves, so nothing is said of steps left out.";
     }
     measured += "\n\n";
     const size_t drawn = groups.front();

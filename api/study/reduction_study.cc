@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <set>
 
+#include "api/study/markup.h"
 #include "api/study/study_steps.h"
 #include "datasets/errors.h"
 #include "datasets/parallel_for.h"
@@ -19,10 +19,10 @@ namespace {
 
 using nlohmann::ordered_json;
 
-enum Method { kWeighted, kByDepth, kPlain, kLle, kMethods };
-const std::array<std::string, kMethods> kNames = {"weighted PCA", "PCA weighted by depth", "plain PCA", "locally linear embedding"};
-const std::array<std::string, kMethods> kKeys = {"weighted_pca", "depth_weighted_pca", "plain_pca", "lle"};
-constexpr int kFewestSteps = 8;  // in either half of a class
+enum ReductionMethod { kWeighted, kByDepth, kPlain, kLle, kReductionMethods };
+const std::array<std::string, kReductionMethods> kReductionMethodNames = {"weighted PCA", "PCA weighted by depth", "plain PCA", "locally linear embedding"};
+const std::array<std::string, kReductionMethods> kReductionMethodKeys = {"weighted_pca", "depth_weighted_pca", "plain_pca", "lle"};
+constexpr int kFewestForReduction = 8;  // in either half of a class
 const std::vector<int> kLleComponents = {1, 2, 3, 5, 8, 12, 16, 20};
 constexpr int kComparedAt = 8;  // components at which methods are held against each other
 
@@ -33,9 +33,9 @@ struct Curves {
   int for_99 = 0;                        // components that keep 99 %
 };
 
-struct ClassResult {
+struct ReductionResult {
   int taught = 0, left_out = 0;
-  std::array<Curves, kMethods> curves;   // of kLle: at kLleComponents only
+  std::array<Curves, kReductionMethods> curves;   // of kLle: at kLleComponents only
   double neighbours_alone = 0;           // left out, made of their neighbours without any coordinates
   std::vector<double> lle_sweep;         // left out at kComparedAt, by neighbours and regularisation
 };
@@ -100,9 +100,9 @@ Eigen::VectorXd DepthWeights(const PoseLayout& layout) {
   return weights;
 }
 
-ClassResult StudyClass(const Eigen::MatrixXd& taught, const Eigen::MatrixXd& left_out, const Eigen::VectorXd& scale,
+ReductionResult ReductionsOfClass(const Eigen::MatrixXd& taught, const Eigen::MatrixXd& left_out, const Eigen::VectorXd& scale,
                        const Eigen::VectorXd& depth, bool quick) {
-  ClassResult result;
+  ReductionResult result;
   result.taught = static_cast<int>(taught.cols()), result.left_out = static_cast<int>(left_out.cols());
   const Eigen::VectorXd weights = scale.cwiseAbs2();
   result.curves[kWeighted] = PcaCurves(taught, left_out, weights, weights);
@@ -140,21 +140,15 @@ ClassResult StudyClass(const Eigen::MatrixXd& taught, const Eigen::MatrixXd& lef
 // Value of a curve at k; one that ends before stays where it ended.
 double At(const std::vector<double>& curve, size_t k) { return curve.empty() ? 0 : curve[std::min(k, curve.size() - 1)]; }
 
-std::vector<double> Mean(const std::vector<ClassResult>& results, Method method, std::vector<double> Curves::*part, size_t length) {
+std::vector<double> Mean(const std::vector<ReductionResult>& results, ReductionMethod method, std::vector<double> Curves::*part, size_t length) {
   std::vector<double> mean(length, 0);
   for (size_t k = 0; k < length; ++k) {
-    for (const ClassResult& result : results) mean[k] += At(result.curves[method].*part, k) / static_cast<double>(results.size());
+    for (const ReductionResult& result : results) mean[k] += At(result.curves[method].*part, k) / static_cast<double>(results.size());
   }
   return mean;
 }
 
-std::string Number(double value, const char* form = "%.2f") {
-  char text[40];
-  std::snprintf(text, sizeof text, form, value);
-  return text;
-}
-
-ChartSeries Series(const std::string& name, const std::vector<double>& values, bool dashed) {
+ChartSeries SeriesFromZero(const std::string& name, const std::vector<double>& values, bool dashed) {
   ChartSeries series{.name = name, .x = {}, .y = {}};
   for (size_t k = 0; k < values.size(); ++k) {
     // With as many components as steps nothing is left but rounding, which a logarithm would make the most of.
@@ -166,7 +160,7 @@ ChartSeries Series(const std::string& name, const std::vector<double>& values, b
 }
 
 struct DataResult {
-  std::vector<ClassResult> classes;
+  std::vector<ReductionResult> classes;
   std::vector<std::string> names;
 };
 
@@ -180,13 +174,13 @@ DataResult ReduceAll(const StudyContext& context, StudyData data) {
   std::vector<Task> tasks;
   for (size_t c = 0; c < steps.classes.size(); ++c) {
     Task task{c, steps.Half(context, c, 0), steps.Half(context, c, 1)};
-    if (std::min(task.taught.size(), task.left_out.size()) >= kFewestSteps) tasks.push_back(std::move(task));
+    if (std::min(task.taught.size(), task.left_out.size()) >= kFewestForReduction) tasks.push_back(std::move(task));
   }
   DataResult result;
   result.classes.resize(tasks.size());
   ParallelFor(context.options().jobs, static_cast<int>(tasks.size()), [&](int t) {
     const Eigen::MatrixXd& vectors = steps.aligned[tasks[t].group].vectors;
-    result.classes[t] = StudyClass(vectors(Eigen::all, tasks[t].taught), vectors(Eigen::all, tasks[t].left_out), scale, depth,
+    result.classes[t] = ReductionsOfClass(vectors(Eigen::all, tasks[t].taught), vectors(Eigen::all, tasks[t].left_out), scale, depth,
                                    context.options().quick);
   });
   for (const Task& task : tasks) result.names.push_back(steps.Name(task.group));
@@ -206,11 +200,11 @@ StudySection StudyReduction(StudyContext& context) {
     if (context.options().progress) context.options().progress("reduction, " + name, 0.5 * static_cast<int>(data));
     const DataResult result = ReduceAll(context, data);
     if (result.classes.empty()) {
-      measured += "The " + name + " data hold no class with " + std::to_string(kFewestSteps) + " steps in each half of the clips: nothing can be told.\n\n";
+      measured += "The " + name + " data hold no class with " + std::to_string(kFewestForReduction) + " steps in each half of the clips: nothing can be told.\n\n";
       continue;
     }
     size_t length = 0;
-    for (const ClassResult& of_class : result.classes) length = std::max(length, of_class.curves[kWeighted].taught.size());
+    for (const ReductionResult& of_class : result.classes) length = std::max(length, of_class.curves[kWeighted].taught.size());
     length = std::min<size_t>(length, 61);
     const double classes = static_cast<double>(result.classes.size());
 
@@ -229,35 +223,35 @@ StudySection StudyReduction(StudyContext& context) {
     kept.marks = {{"99 %", 0.99}};
     ordered_json& json = section.data[name];
     json["classes"] = result.names;
-    double for_99[kMethods] = {};
-    double at[kMethods][2] = {};  // taught, left out, at kComparedAt
-    for (const Method method : {kWeighted, kByDepth, kPlain}) {
+    double for_99[kReductionMethods] = {};
+    double at[kReductionMethods][2] = {};  // taught, left out, at kComparedAt
+    for (const ReductionMethod method : {kWeighted, kByDepth, kPlain}) {
       const std::vector<double> taught = Mean(result.classes, method, &Curves::taught, length);
       const std::vector<double> left_out = Mean(result.classes, method, &Curves::left_out, length);
       const std::vector<double> kept_part = Mean(result.classes, method, &Curves::kept, length);
-      for (const ClassResult& of_class : result.classes) for_99[method] += of_class.curves[method].for_99 / classes;
+      for (const ReductionResult& of_class : result.classes) for_99[method] += of_class.curves[method].for_99 / classes;
       at[method][0] = At(taught, kComparedAt), at[method][1] = At(left_out, kComparedAt);
-      error.series.push_back(Series(kNames[method], taught, method != kWeighted));
-      out.series.push_back(Series(kNames[method], left_out, method != kWeighted));
-      kept.series.push_back(Series(kNames[method], kept_part, method != kWeighted));
-      json[kKeys[method]] = {{"error_taught_m2", taught}, {"error_left_out_m2", left_out}, {"variance_kept", kept_part}, {"components_for_99_percent", for_99[method]}};
+      error.series.push_back(SeriesFromZero(kReductionMethodNames[method], taught, method != kWeighted));
+      out.series.push_back(SeriesFromZero(kReductionMethodNames[method], left_out, method != kWeighted));
+      kept.series.push_back(SeriesFromZero(kReductionMethodNames[method], kept_part, method != kWeighted));
+      json[kReductionMethodKeys[method]] = {{"error_taught_m2", taught}, {"error_left_out_m2", left_out}, {"variance_kept", kept_part}, {"components_for_99_percent", for_99[method]}};
     }
     size_t lle_count = kLleComponents.size();
-    for (const ClassResult& of_class : result.classes) lle_count = std::min(lle_count, of_class.curves[kLle].left_out.size());
+    for (const ReductionResult& of_class : result.classes) lle_count = std::min(lle_count, of_class.curves[kLle].left_out.size());
     const std::vector<double> lle_taught = Mean(result.classes, kLle, &Curves::taught, lle_count);
     const std::vector<double> lle_out = Mean(result.classes, kLle, &Curves::left_out, lle_count);
-    ChartSeries lle{.name = kNames[kLle], .x = {}, .y = {}, .form = ChartSeries::Form::kPoints};
+    ChartSeries lle{.name = kReductionMethodNames[kLle], .x = {}, .y = {}, .form = ChartSeries::Form::kPoints};
     for (size_t i = 0; i < lle_count; ++i) lle.x.push_back(kLleComponents[i]);
     lle.y = lle_taught;
     error.series.push_back(lle);
     lle.y = lle_out;
     out.series.push_back(lle);
     double neighbours_alone = 0;
-    for (const ClassResult& of_class : result.classes) neighbours_alone += of_class.neighbours_alone / classes;
+    for (const ReductionResult& of_class : result.classes) neighbours_alone += of_class.neighbours_alone / classes;
     const auto compared = std::find(kLleComponents.begin(), kLleComponents.begin() + static_cast<std::ptrdiff_t>(lle_count), kComparedAt);
     const size_t place = static_cast<size_t>(compared - kLleComponents.begin());
     const bool has_lle = place < lle_count;
-    json[kKeys[kLle]] = {{"components", std::vector<int>(kLleComponents.begin(), kLleComponents.begin() + static_cast<std::ptrdiff_t>(lle_count))},
+    json[kReductionMethodKeys[kLle]] = {{"components", std::vector<int>(kLleComponents.begin(), kLleComponents.begin() + static_cast<std::ptrdiff_t>(lle_count))},
                          {"neighbours", kLleUsual.neighbours},
                          {"regularisation", kLleUsual.regularisation},
                          {"error_taught_m2", lle_taught},
@@ -268,7 +262,7 @@ StudySection StudyReduction(StudyContext& context) {
     for (size_t s = 0; s < Sweep().size(); ++s) {
       double mean = 0;
       int counted = 0;
-      for (const ClassResult& of_class : result.classes) {
+      for (const ReductionResult& of_class : result.classes) {
         if (s < of_class.lle_sweep.size()) mean += of_class.lle_sweep[s], ++counted;
       }
       if (counted == 0) continue;
@@ -277,7 +271,7 @@ StudySection StudyReduction(StudyContext& context) {
                                      {"error_left_out_m2", mean}});
       if (best_options.empty() || mean < best_lle) {
         best_lle = mean;
-        best_options = std::to_string(Sweep()[s].neighbours) + " neighbours and a regularisation of " + Number(Sweep()[s].regularisation, "%g");
+        best_options = std::to_string(Sweep()[s].neighbours) + " neighbours and a regularisation of " + ShortNumber(Sweep()[s].regularisation);
       }
     }
     for (Chart* chart : {&error, &out, &kept}) charts.push_back(std::move(*chart));
@@ -291,21 +285,21 @@ StudySection StudyReduction(StudyContext& context) {
     section.figures.push_back({.what = "components for 99 % of the variance, weighted / plain PCA, " + name,
                                .value = for_99[kPlain] > 0 ? std::optional(for_99[kWeighted] / for_99[kPlain]) : std::nullopt,
                                .source = data == StudyData::kClean ? "Du Fig. 4.13: near 1" : "Du Fig. 4.12: below 1",
-                               .note = "weighted " + Number(for_99[kWeighted], "%.1f") + ", plain " + Number(for_99[kPlain], "%.1f") +
+                               .note = "weighted " + FixedNumber(for_99[kWeighted], 1) + ", plain " + FixedNumber(for_99[kPlain], 1) +
                                        ", on average over classes of half of the clips"});
     if (has_lle)
       section.figures.push_back({.what = "error of steps left out with " + eight + " coordinates, locally linear embedding / weighted PCA, " + name,
                                  .value = lle_out[place] / at[kWeighted][1],
                                  .source = "Xie 7: PCA ahead of LLE"});
-    measured += "On " + name + " data " + eight + " weighted components leave an error of " + Number(at[kWeighted][0], "%.4f") + " m² on the steps taught and " +
-                Number(at[kWeighted][1], "%.4f") + " on those left out; plain ones " + Number(at[kPlain][0], "%.4f") + " and " +
-                Number(at[kPlain][1], "%.4f") + "; ones weighted by depth as Du does " + Number(at[kByDepth][0], "%.4f") + " and " +
-                Number(at[kByDepth][1], "%.4f") + ". 99 % of the variance takes " + Number(for_99[kWeighted], "%.1f") + " weighted and " +
-                Number(for_99[kPlain], "%.1f") + " plain components.";
+    measured += "On " + name + " data " + eight + " weighted components leave an error of " + FixedNumber(at[kWeighted][0], 4) + " m² on the steps taught and " +
+                FixedNumber(at[kWeighted][1], 4) + " on those left out; plain ones " + FixedNumber(at[kPlain][0], 4) + " and " +
+                FixedNumber(at[kPlain][1], 4) + "; ones weighted by depth as Du does " + FixedNumber(at[kByDepth][0], 4) + " and " +
+                FixedNumber(at[kByDepth][1], 4) + ". 99 % of the variance takes " + FixedNumber(for_99[kWeighted], 1) + " weighted and " +
+                FixedNumber(for_99[kPlain], 1) + " plain components.";
     if (has_lle) {
-      measured += " As many coordinates of a locally linear embedding leave " + Number(lle_out[place], "%.4f") + " on steps left out; their nearest " +
-                  std::to_string(kLleUsual.neighbours) + " steps alone, without any coordinates, " + Number(neighbours_alone, "%.4f") + ".";
-      if (!best_options.empty()) measured += " Of the options tried, " + best_options + " are best: " + Number(best_lle, "%.4f") + ".";
+      measured += " As many coordinates of a locally linear embedding leave " + FixedNumber(lle_out[place], 4) + " on steps left out; their nearest " +
+                  std::to_string(kLleUsual.neighbours) + " steps alone, without any coordinates, " + FixedNumber(neighbours_alone, 4) + ".";
+      if (!best_options.empty()) measured += " Of the options tried, " + best_options + " are best: " + FixedNumber(best_lle, 4) + ".";
     }
     measured += "\n\n";
   }

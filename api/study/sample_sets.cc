@@ -47,16 +47,6 @@ int PieceFrames(const std::vector<MotionClip>& clips) {
   throw std::invalid_argument("too few clips are as long as half a second");
 }
 
-std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips) {
-  constexpr int kSecond = 30;
-  std::vector<MotionClip> trimmed;
-  for (const MotionClip& clip : clips) {
-    const int left = clip.frame_count() - 2 * kSecond;
-    if (left >= kSecond) trimmed.push_back(clip.Slice(kSecond, left));
-  }
-  return trimmed;
-}
-
 std::vector<MotionClip> DrawClips(const MotionGraph& graph, const std::string& style, const DrawOptions& options) {
   std::vector<MotionClip> clips(static_cast<size_t>(options.clips));
   ParallelFor(options.jobs, options.clips, [&](int i) {

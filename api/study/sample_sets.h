@@ -30,9 +30,6 @@ std::vector<MotionClip> Joined(const StyledClips& clips);
 /// 75, 60, 45, 30 and 15 that as many do. @param clips  at 30 fps. @throws std::invalid_argument when not even 15 fit.
 int PieceFrames(const std::vector<MotionClip>& clips);
 
-/// Clips without their first and last second, where a second or more is left. @param clips  at 30 fps.
-std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips);
-
 struct DrawOptions {
   int clips = 100;  // of each style
   double duration_s = 10;

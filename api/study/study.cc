@@ -98,12 +98,6 @@ LabelledClips ReadAllLabels(const std::vector<fs::path>& files) {
 }
 
 // `count` of the positions, spread evenly over them.
-std::vector<int> Spread(const std::vector<int>& positions, size_t count) {
-  std::vector<int> chosen;
-  for (size_t i = 0; i < count; ++i) chosen.push_back(positions[i * positions.size() / count]);
-  return chosen;
-}
-
 // A few clips of every style, up to half of them labelled ones, so that a quick study has something to say of everything. Positions, ascending.
 std::vector<int> FewClips(const std::vector<LoadedClip>& clips, const std::vector<std::vector<LabelledFrame>>& labels) {
   constexpr size_t kClips = 24, kOfStyle = 6;
@@ -118,8 +112,8 @@ std::vector<int> FewClips(const std::vector<LoadedClip>& clips, const std::vecto
   for (const std::string& style : styles) {
     const size_t of_others = std::min(others[style].size(), each - std::min(labelled[style].size(), each / 2));
     const size_t of_labelled = std::min(labelled[style].size(), each - of_others);
-    for (const int i : Spread(labelled[style], of_labelled)) chosen.insert(i);
-    for (const int i : Spread(others[style], of_others)) chosen.insert(i);
+    for (const int i : SpreadOver(labelled[style], of_labelled)) chosen.insert(i);
+    for (const int i : SpreadOver(others[style], of_others)) chosen.insert(i);
   }
   return {chosen.begin(), chosen.end()};
 }

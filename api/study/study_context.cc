@@ -87,10 +87,14 @@ std::shared_ptr<const MotionGraph> StudyContext::Model(StudyData data) {
   return model;
 }
 
-std::shared_ptr<const MotionGraph> StudyContext::Learn(StudyData data, const std::vector<int>& which, TrainingOptions options) {
+TrainingOptions StudyContext::Training(TrainingOptions options) const {
   options.action = options_.action;
   options.jobs = options_.jobs;
   if (!options.find_keyframes) options.find_keyframes = options_.find_keyframes;
+  return options;
+}
+
+std::shared_ptr<const MotionGraph> StudyContext::Learn(StudyData data, const std::vector<int>& which, const TrainingOptions& options) {
   // From the floor of the capture on, as training does it, so that the study's model is the one that `train` makes of these clips.
   std::vector<TrainingClip> training;
   int source = -1;
@@ -98,7 +102,7 @@ std::shared_ptr<const MotionGraph> StudyContext::Learn(StudyData data, const std
     if (!copy.made) ++source;  // its copies follow
     training.push_back({std::move(copy.clip), copy.made, source});
   }
-  return BuildGraph(training, options);
+  return BuildGraph(training, Training(options));
 }
 
 }  // namespace morphograph

@@ -26,6 +26,15 @@ struct StudyOptions {
   std::function<void(const std::string& stage, double fraction)> progress = {};  // of the section at hand, [0, 1]
 };
 
+/// `count` of the values at even distances, or all when they are no more.
+template <typename T>
+std::vector<T> SpreadOver(const std::vector<T>& values, size_t count) {
+  if (values.size() <= count) return values;
+  std::vector<T> some;
+  for (size_t i = 0; i < count; ++i) some.push_back(values[i * values.size() / count]);
+  return some;
+}
+
 enum class StudyData { kClean, kNoisy };
 
 /// What every part of the study works on: the captured clips, the same with noise, and models learned from them, each made once. For one
@@ -47,9 +56,11 @@ class StudyContext {
 
   /// Learned from all clips.
   std::shared_ptr<const MotionGraph> Model(StudyData data);
-  /// Learned from some clips, by position, under other options than the usual ones; not kept. Action and finder of key frames are the
-  /// study's unless `options` brings a finder. @throws DatasetError when nothing can be learned from them.
-  std::shared_ptr<const MotionGraph> Learn(StudyData data, const std::vector<int>& which, TrainingOptions options = {});
+  /// Options of training with the action and the threads of the study, and its finder of key frames unless they bring one.
+  TrainingOptions Training(TrainingOptions options = {}) const;
+  /// Learned from some clips, by position, under other options than the usual ones; not kept. @throws DatasetError when nothing can be
+  /// learned from them.
+  std::shared_ptr<const MotionGraph> Learn(StudyData data, const std::vector<int>& which, const TrainingOptions& options = {});
 
   /// Clip positions in two halves, style by style, drawn by the seed: the same split for every part of the study.
   const std::vector<int>& half(int which) const { return halves_[which]; }

@@ -5,11 +5,6 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-template <typename T>
-Json OrNull(const std::optional<T>& value) {
-  return value ? Json(*value) : Json(nullptr);
-}
-
 Json FigureJson(const StudyFigure& figure) {
   return {{"what", figure.what},
           {"value", OrNull(figure.value)},

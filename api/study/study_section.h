@@ -35,4 +35,12 @@ struct StudySection {
   nlohmann::ordered_json data = {};  // everything behind the drawings, and more
 };
 
+inline std::optional<double> RatioTo(double value, double to) { return to > 0 ? std::optional(value / to) : std::nullopt; }
+
+/// JSON of a value that may be absent.
+template <typename T>
+nlohmann::ordered_json OrNull(const std::optional<T>& value) {
+  return value ? nlohmann::ordered_json(*value) : nlohmann::ordered_json(nullptr);
+}
+
 }  // namespace morphograph

@@ -28,16 +28,16 @@ std::vector<int> StudySteps::Half(const StudyContext& context, size_t i, int hal
   return chosen;
 }
 
-StudySteps FindStudySteps(const StudyContext& context, StudyData data) {
-  const StudyOptions& options = context.options();
+TrainingSet StudyTrainingSet(const StudyContext& context, StudyData data) {
   std::vector<TrainingClip> clips;
   for (const MotionClip& clip : context.clips(data)) clips.push_back({clip, false, static_cast<int>(clips.size())});
-  TrainingOptions training;
-  training.action = options.action;
-  training.find_keyframes = options.find_keyframes;
-  training.jobs = options.jobs;
+  return PrepareTrainingSet(clips, context.Training());
+}
+
+StudySteps FindStudySteps(const StudyContext& context, StudyData data) {
+  const StudyOptions& options = context.options();
   StudySteps steps;
-  steps.set = PrepareTrainingSet(clips, training);
+  steps.set = StudyTrainingSet(context, data);
   for (size_t c = 0; c < steps.set.classes.size(); ++c) {
     if (options.quick && steps.classes.size() == kQuickClasses) break;
     if (IsWalkStep(steps.set.steps[steps.set.classes[c].members.front()])) steps.classes.push_back(static_cast<int>(c));

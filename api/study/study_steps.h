@@ -21,6 +21,9 @@ struct StudySteps {
   std::vector<int> Half(const StudyContext& context, size_t i, int half) const;
 };
 
+/// The captured clips, cut into steps and sorted into classes. @throws DatasetError when they hold too few steps.
+TrainingSet StudyTrainingSet(const StudyContext& context, StudyData data);
+
 /// @throws DatasetError when the clips hold too few steps.
 StudySteps FindStudySteps(const StudyContext& context, StudyData data);
 

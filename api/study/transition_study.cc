@@ -21,10 +21,10 @@
 namespace morphograph {
 namespace {
 
-enum Method { kInUse, kRbf, kRidge, kNone, kMethods };
-const std::array<std::string, kMethods> kNames = {"Gaussian process in use (linear + RBF)", "RBF process alone (Du 3.5)", "ridge regression",
+enum TransitionMethod { kInUse, kRbf, kRidge, kNone, kTransitionMethods };
+const std::array<std::string, kTransitionMethods> kTransitionMethodNames = {"Gaussian process in use (linear + RBF)", "RBF process alone (Du 3.5)", "ridge regression",
                                                   "no transition (mixture alone)"};
-const std::array<std::string, kMethods> kKeys = {"in_use", "rbf", "ridge", "none"};
+const std::array<std::string, kTransitionMethods> kTransitionMethodKeys = {"in_use", "rbf", "ridge", "none"};
 
 // Pairs of an edge in whitened space, where the mixture alone says N(0, I).
 struct WhitenedPairs {
@@ -41,7 +41,7 @@ struct Judged {
 struct JudgedEdge {
   std::string style, from, to;
   int pairs = 0, clips = 0;
-  std::array<std::vector<Judged>, kMethods> judged;
+  std::array<std::vector<Judged>, kTransitionMethods> judged;
 };
 
 Eigen::MatrixXd WhitenColumns(const Eigen::MatrixXd& latents, const GaussianMixture& mixture) {
@@ -114,13 +114,7 @@ std::vector<JudgedEdge> JudgeEdges(const StudyContext& context, StudyData data) 
   const StudyOptions& options = context.options();
   const int folds = options.quick ? 2 : 5, fewest_pairs = options.quick ? 8 : 20;
   constexpr size_t kQuickEdges = 4;
-  std::vector<TrainingClip> clips;
-  for (const MotionClip& clip : context.clips(data)) clips.push_back({clip, false, static_cast<int>(clips.size())});
-  TrainingOptions training;
-  training.action = options.action;
-  training.find_keyframes = options.find_keyframes;
-  training.jobs = options.jobs;
-  const TrainingSet set = PrepareTrainingSet(clips, training);
+  const TrainingSet set = StudyTrainingSet(context, data);
 
   std::vector<StepPairs> pairs = FindStepPairs(set);
   std::erase_if(pairs, [&](const StepPairs& list) {
@@ -179,7 +173,7 @@ std::vector<double> NominalParts() {
   return parts;
 }
 
-Verdict VerdictOn(const std::vector<JudgedEdge>& edges, Method method) {
+Verdict VerdictOn(const std::vector<JudgedEdge>& edges, TransitionMethod method) {
   Verdict verdict;
   const std::vector<double> nominal = NominalParts();
   verdict.inside.assign(nominal.size(), 0);
@@ -210,19 +204,19 @@ Verdict VerdictOn(const std::vector<JudgedEdge>& edges, Method method) {
   return verdict;
 }
 
-using Verdicts = std::array<Verdict, kMethods>;
+using Verdicts = std::array<Verdict, kTransitionMethods>;
 Verdicts AllVerdicts(const std::vector<JudgedEdge>& edges) {
   Verdicts verdicts;
-  for (int m = 0; m < kMethods; ++m) verdicts[static_cast<size_t>(m)] = VerdictOn(edges, static_cast<Method>(m));
+  for (int m = 0; m < kTransitionMethods; ++m) verdicts[static_cast<size_t>(m)] = VerdictOn(edges, static_cast<TransitionMethod>(m));
   return verdicts;
 }
 
-Chart ByMethod(const std::vector<std::pair<std::string, Verdicts>>& verdicts, const std::vector<Method>& methods,
-               double (*value)(const Verdicts&, Method)) {
+Chart ByMethod(const std::vector<std::pair<std::string, Verdicts>>& verdicts, const std::vector<TransitionMethod>& methods,
+               double (*value)(const Verdicts&, TransitionMethod)) {
   Chart chart;
   for (const auto& [name, of_data] : verdicts) chart.x_names.push_back(name);
-  for (const Method method : methods) {
-    ChartSeries bars{kNames[method], {}, {}, ChartSeries::Form::kBars};
+  for (const TransitionMethod method : methods) {
+    ChartSeries bars{kTransitionMethodNames[method], {}, {}, ChartSeries::Form::kBars};
     for (size_t i = 0; i < verdicts.size(); ++i) {
       bars.x.push_back(static_cast<double>(i));
       bars.y.push_back(value(verdicts[i].second, method));
@@ -240,8 +234,8 @@ Chart CalibrationChart(const Verdicts& verdicts) {
   chart.caption = "Central intervals of every size around the predicted mean, over all components of all held-out pairs. At 0 the variance is right; "
                   "above, it is too large; below, too small.";
   std::vector<double> parts = NominalParts();
-  for (size_t m = 0; m < kMethods; ++m) {
-    ChartSeries line{kNames[m], {}, {}};
+  for (size_t m = 0; m < kTransitionMethods; ++m) {
+    ChartSeries line{kTransitionMethodNames[m], {}, {}};
     for (size_t i = 0; i < parts.size(); ++i) {
       line.x.push_back(100 * parts[i]);
       line.y.push_back(100 * (verdicts[m].inside[i] - parts[i]));
@@ -259,8 +253,8 @@ Chart PitChart(const Verdicts& verdicts) {
   chart.y_label = "density";
   chart.caption = "Flat at 1 where predictions are right as a whole. A hill in the middle: the variance is too large, or the tails are "
                   "heavier than a Gaussian's; hills at the ends: it is too small.";
-  for (const Method method : {kInUse, kRbf}) {
-    ChartSeries line{kNames[method], {}, verdicts[method].pit};
+  for (const TransitionMethod method : {kInUse, kRbf}) {
+    ChartSeries line{kTransitionMethodNames[method], {}, verdicts[method].pit};
     for (int i = 0; i < kPitBins; ++i) line.x.push_back((i + 0.5) / kPitBins);
     chart.series.push_back(std::move(line));
   }
@@ -317,13 +311,13 @@ nlohmann::ordered_json DataJson(const std::vector<JudgedEdge>& edges, const Verd
   for (const JudgedEdge& edge : edges) {
     nlohmann::ordered_json of_edge = {{"style", edge.style}, {"from", edge.from}, {"to", edge.to}, {"pairs", edge.pairs}, {"clips", edge.clips},
                                       {"components", edge.judged[kInUse].front().truth.size()}};
-    for (int m = 0; m < kMethods; ++m) {
-      const Verdict verdict = VerdictOn({edge}, static_cast<Method>(m));
-      of_edge[kKeys[static_cast<size_t>(m)]] = {{"log_likelihood", verdict.log_likelihood}, {"relative_error", verdict.error}};
+    for (int m = 0; m < kTransitionMethods; ++m) {
+      const Verdict verdict = VerdictOn({edge}, static_cast<TransitionMethod>(m));
+      of_edge[kTransitionMethodKeys[static_cast<size_t>(m)]] = {{"log_likelihood", verdict.log_likelihood}, {"relative_error", verdict.error}};
     }
     json["edges"].push_back(std::move(of_edge));
   }
-  for (size_t m = 0; m < kMethods; ++m) json[kKeys[m]] = VerdictJson(verdicts[m]);
+  for (size_t m = 0; m < kTransitionMethods; ++m) json[kTransitionMethodKeys[m]] = VerdictJson(verdicts[m]);
   return json;
 }
 
@@ -362,20 +356,20 @@ StudySection StudyTransitions(StudyContext& context) {
       "predicts its own variance; the process in use carries the covariance that keeps the captured spread over long walks.";
   if (!no_noisy.empty()) section.text += "\n\nNoisy clips are left out: " + no_noisy + ".";
 
-  Chart error = ByMethod(verdicts, {kInUse, kRbf, kRidge, kNone}, [](const Verdicts& v, Method m) { return v[m].error; });
+  Chart error = ByMethod(verdicts, {kInUse, kRbf, kRidge, kNone}, [](const Verdicts& v, TransitionMethod m) { return v[m].error; });
   error.title = "Error of the predicted next step";
   error.y_label = "mean squared error, 1 = that of the mixture's mean";
   error.better = "lower";
   error.caption = "Part of the spread of the next step that the step before does not tell, on clips left out.";
   Chart gain = ByMethod(verdicts, {kInUse, kRbf, kRidge},
-                        [](const Verdicts& v, Method m) { return v[m].log_likelihood - v[kNone].log_likelihood; });
+                        [](const Verdicts& v, TransitionMethod m) { return v[m].log_likelihood - v[kNone].log_likelihood; });
   gain.title = "Likelihood gained by the transition";
   gain.y_label = "log likelihood of a held-out pair over the mixture's, nats";
   gain.better = "higher";
   gain.caption = "Below 0, a transition is worse than drawing each step by itself.";
   section.drawings = {error, gain, CalibrationChart(of_clean), PitChart(of_clean), PredictionChart(clean)};
 
-  section.data = {{"methods", kNames}, {"folds", options.quick ? 2 : 5}, {"nominal", NominalParts()}, {"clean", DataJson(clean, of_clean)}};
+  section.data = {{"methods", kTransitionMethodNames}, {"folds", options.quick ? 2 : 5}, {"nominal", NominalParts()}, {"clean", DataJson(clean, of_clean)}};
   section.data["noisy"] = noisy.empty() ? nlohmann::ordered_json(nullptr) : DataJson(noisy, verdicts.back().second);
 
   for (const auto& [name, of_data] : verdicts) {

@@ -8,24 +8,14 @@
 #include <cmath>
 
 #include "api/study/sample_sets.h"
-#include "tests/support/small_model.h"
+#include "tests/support/small_study.h"
 
 namespace morphograph {
 namespace {
 
 using ::testing::HasSubstr;
-
-StudyContext SmallContext(size_t most, int seed = 1) {
-  std::vector<LoadedClip> clips;
-  for (auto& [name, clip] : testing::SmallWalks()) {
-    if (clips.size() < most) clips.push_back({std::move(clip), name + ".bvh", 0, ""});
-  }
-  StudyOptions options;
-  options.quick = true;
-  options.jobs = 2;
-  options.seed = static_cast<std::uint64_t>(seed);
-  return StudyContext(std::move(clips), {}, std::move(options));
-}
+using testing::ExpectSound;
+using testing::SmallContext;
 
 const StudyFigure* Find(const StudySection& section, const std::string& part) {
   for (const StudyFigure& figure : section.figures) {
@@ -35,18 +25,6 @@ const StudyFigure* Find(const StudySection& section, const std::string& part) {
 }
 
 // Every figure has a finite value, or says why not.
-void ExpectSound(const StudySection& section) {
-  EXPECT_FALSE(section.text.empty());
-  EXPECT_FALSE(section.figures.empty() && section.drawings.empty());
-  for (const StudyFigure& figure : section.figures) {
-    if (figure.value) {
-      EXPECT_TRUE(std::isfinite(*figure.value)) << figure.what;
-    } else {
-      EXPECT_FALSE(figure.note.empty()) << figure.what;
-    }
-  }
-}
-
 TEST(SampleStudy, MeasuresFeetAndFlowAgainstTheClipsThatTheModelHasSeen) {
   StudyContext context = SmallContext(12);
   const StudySection section = StudyFeetAndFlow(context);
@@ -125,8 +103,6 @@ TEST(SampleSets, PieceLengthFollowsTheClips) {
   EXPECT_EQ(PieceFrames(clips), 90);
   EXPECT_EQ(PieceFrames({clips[2], clips[3]}), 15);
   EXPECT_THROW(PieceFrames({MotionClip(skeleton, 30, 10)}), std::invalid_argument);
-  EXPECT_EQ(Trimmed({MotionClip(skeleton, 30, 150)}).at(0).frame_count(), 90);
-  EXPECT_TRUE(Trimmed({MotionClip(skeleton, 30, 89)}).empty());
 }
 
 TEST(SampleSets, ProportionFollowsTheCapture) {

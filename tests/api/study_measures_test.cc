@@ -11,24 +11,14 @@
 #include "api/study/mixture_study.h"
 #include "api/study/reduction_study.h"
 #include "datasets/errors.h"
-#include "tests/support/small_model.h"
+#include "tests/support/small_study.h"
 
 namespace morphograph {
 namespace {
 
 using ::testing::HasSubstr;
 using ::testing::Not;
-
-StudyContext SmallContext(size_t most, int jobs = 2, LabelledClips labels = {}) {
-  std::vector<LoadedClip> clips;
-  for (auto& [name, clip] : testing::SmallWalks()) {
-    if (clips.size() < most) clips.push_back({std::move(clip), name + ".bvh", 0, ""});
-  }
-  StudyOptions options;
-  options.quick = true;
-  options.jobs = jobs;
-  return StudyContext(std::move(clips), std::move(labels), std::move(options));
-}
+using testing::SmallContext;
 
 double Value(const StudySection& section, const std::string& part) {
   for (const StudyFigure& figure : section.figures) {
@@ -38,20 +28,14 @@ double Value(const StudySection& section, const std::string& part) {
   return std::nan("");
 }
 
-void ExpectSound(const StudySection& section) {
-  EXPECT_FALSE(section.text.empty());
+// Sound, and every point of its charts has a place.
+void ExpectDrawn(const StudySection& section) {
+  testing::ExpectSound(section);
   EXPECT_FALSE(section.drawings.empty());
-  for (const StudyFigure& figure : section.figures) {
-    if (figure.value) EXPECT_TRUE(std::isfinite(*figure.value)) << figure.what;
-  }
   for (const auto& drawing : section.drawings) {
-    if (const Chart* chart = std::get_if<Chart>(&drawing)) {
-      for (const ChartSeries& series : chart->series) {
-        EXPECT_EQ(series.x.size(), series.y.size()) << chart->title;
-        for (const double y : series.y) EXPECT_TRUE(std::isfinite(y)) << chart->title;
-      }
-    } else {
-      EXPECT_TRUE(std::get<HeatMap>(drawing).values.allFinite());
+    const Chart* chart = std::get_if<Chart>(&drawing);
+    for (const ChartSeries& series : chart ? chart->series : std::vector<ChartSeries>{}) {
+      for (const double y : series.y) EXPECT_TRUE(std::isfinite(y)) << chart->title;
     }
   }
 }
@@ -59,7 +43,7 @@ void ExpectSound(const StudySection& section) {
 TEST(StudyMeasures, AlignmentIsNearerWithWeightsAndFurtherWithNoise) {
   StudyContext context = SmallContext(12);
   const StudySection section = StudyAlignment(context);
-  ExpectSound(section);
+  ExpectDrawn(section);
   const auto difference = [&](const char* data, const char* way) { return section.data[data]["mean"][way]["path_difference_m"].get<double>(); };
   for (const char* data : {"clean", "noisy"}) {
     // The steeper the weights, the more of them lies on the root, and the nearer it must come.
@@ -76,7 +60,7 @@ TEST(StudyMeasures, AlignmentIsNearerWithWeightsAndFurtherWithNoise) {
 TEST(StudyMeasures, KeyframesWithoutLabelsAreHeldAgainstTheCleanClips) {
   StudyContext context = SmallContext(12);
   const StudySection section = StudyKeyframes(context);
-  ExpectSound(section);
+  ExpectDrawn(section);
   EXPECT_THAT(section.text, HasSubstr("No clip of these data is labelled"));
   EXPECT_EQ(Value(section, "by feature, clean: precision"), 1);
   EXPECT_EQ(Value(section, "by feature, clean: extraction rate"), 1);
@@ -102,7 +86,7 @@ TEST(StudyMeasures, KeyframesAreHeldAgainstLabelsWhereThereAreSome) {
 TEST(StudyMeasures, WeightedComponentsLeaveTheLeastWeightedErrorOnWhatTheyWereTaught) {
   StudyContext context = SmallContext(12);
   const StudySection section = StudyReduction(context);
-  ExpectSound(section);
+  ExpectDrawn(section);
   for (const char* data : {"clean", "noisy"}) {
     ASSERT_TRUE(section.data.contains(data)) << section.text;
     const auto& of = section.data[data];
@@ -126,7 +110,7 @@ TEST(StudyMeasures, WeightedComponentsLeaveTheLeastWeightedErrorOnWhatTheyWereTa
 TEST(StudyMeasures, MixtureTablesCoverEveryFormAndNumber) {
   StudyContext context = SmallContext(12);
   const StudySection section = StudyMixture(context);
-  ExpectSound(section);
+  ExpectDrawn(section);
   for (const char* form : {"full", "tied", "diagonal"}) {
     EXPECT_EQ(section.data["clean"]["bic_per_step_weighted"][form].size(), 3);
     EXPECT_EQ(section.data["clean"]["bic_per_step_plain"][form].size(), 3);

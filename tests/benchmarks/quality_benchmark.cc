@@ -34,6 +34,7 @@
 #include "graph/graph_summary.h"
 #include "graph/model_io.h"
 #include "synthesis/body_check.h"
+#include "synthesis/clip_ends.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/pose_windows.h"
@@ -74,16 +75,6 @@ Set Prepare(std::vector<MotionClip> clips, const Options& options) {
   }
   set.clips = std::move(clips);
   return set;
-}
-
-// At 30 fps, without `trim` frames at both ends; clips of which less than a piece would be left are dropped.
-std::vector<MotionClip> Trimmed(const std::vector<MotionClip>& clips, int trim, int piece) {
-  std::vector<MotionClip> trimmed;
-  for (const MotionClip& clip : clips) {
-    const int left = clip.frame_count() - 2 * trim;
-    if (left >= std::max(piece, 15)) trimmed.push_back(clip.Slice(trim, left));
-  }
-  return trimmed;
 }
 
 void PrintHeader() {
@@ -385,7 +376,7 @@ void TimeEvaluation(const std::vector<MotionClip>& clips) {
 
 bool Run(const Options& options) {
   const std::vector<MotionClip> whole = Load(options.data, options.jobs);
-  const std::vector<MotionClip> trimmed = Trimmed(whole, options.trim, options.piece);
+  const std::vector<MotionClip> trimmed = morphograph::WithoutEnds(whole, options.trim);
   std::printf(
       "captured: %zu clips; trimmed by %d frames at both ends %zu clips; pieces of %d frames at 30 fps\n",
       whole.size(), options.trim, trimmed.size(), options.piece);

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "datasets/dataset_loader.h"
+#include "synthesis/clip_ends.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/pose_windows.h"
 #include "synthesis/set_quality.h"
@@ -25,6 +26,16 @@ TEST(PoseWindows, HaveTheDefinedSizeAndCount) {
   EXPECT_EQ(windows.cols(), (100 - 15) / 7 + 1);
   EXPECT_EQ(PoseWindows(PrepareEvaluation(clip.Slice(0, 15))).cols(), 1);
   EXPECT_EQ(PoseWindows(PrepareEvaluation(clip.Slice(0, 14))).cols(), 0);
+}
+
+TEST(ClipEnds, AreCutWhereASecondIsLeft) {
+  const MotionClip clip = GaitClip(1);
+  const std::vector<MotionClip> cut = WithoutEnds({clip.Slice(0, 90), clip.Slice(0, 89), clip.Slice(0, 100)});
+  ASSERT_EQ(cut.size(), 2u);
+  EXPECT_EQ(cut[0].frame_count(), 30);
+  EXPECT_EQ(cut[1].frame_count(), 40);
+  EXPECT_EQ(cut[1].root_positions().col(0), clip.root_positions().col(30));
+  EXPECT_EQ(WithoutEnds({clip.Slice(0, 90)}, 0).at(0).frame_count(), 90);
 }
 
 TEST(PoseWindows, IgnoreHeadingFloorPositionAndFloorHeight) {
