@@ -19,7 +19,7 @@ using Eigen::Vector3d;
 constexpr double kMaxTurnRad = 0.6;
 constexpr double kSpeedSmoothing_s = 0.12;  // the turn rate follows the walking speed, but not its ripple
 constexpr double kWalking_m_s = 0.25;       // slower is standing
-constexpr double kReach = 0.995;            // of the straight leg, unless the capture itself stretches it further
+constexpr double kStraightest = 0.995;            // of the straight leg, unless the capture itself stretches it further
 constexpr double kRelief_s = 0.15;          // how early the pelvis yields to a leg that runs out of reach
 constexpr double kHipShare = 0.6;           // of a foot's turn against the body that the hip takes, the ankle the rest
 
@@ -33,7 +33,7 @@ struct Placement {
 };
 
 // Planted time of one foot and where the bend puts it.
-struct Stance {
+struct MovedStance {
   int first, last;
   Placement placement;
 };
@@ -109,9 +109,9 @@ std::vector<Placement> PlaceRoot(const MotionClip& clip, const std::vector<doubl
 }
 
 // Stances of one foot, one before and one after all frames included, which carry the ends of the clip.
-std::vector<Stance> StancesOf(Foot foot, const ContactTrack& contacts, const std::vector<Placement>& placements) {
+std::vector<MovedStance> StancesOf(Foot foot, const ContactTrack& contacts, const std::vector<Placement>& placements) {
   const int frames = static_cast<int>(placements.size());
-  std::vector<Stance> stances;
+  std::vector<MovedStance> stances;
   for (const ContactInterval& interval : contacts.intervals) {
     if (interval.foot != foot) continue;
     stances.push_back({interval.first, interval.last, placements[(interval.first + interval.last) / 2]});
@@ -126,12 +126,12 @@ struct FootTarget {
   double yaw_rad;
 };
 
-FootTarget TargetAt(const std::vector<Stance>& stances, int frame, const Vector3d& ankle) {
+FootTarget TargetAt(const std::vector<MovedStance>& stances, int frame, const Vector3d& ankle) {
   size_t i = 0;
   while (stances[i].last < frame && i + 1 < stances.size()) ++i;
   if (frame >= stances[i].first || i == 0) return {stances[i].placement * ankle, stances[i].placement.yaw_rad};
-  const Stance& from = stances[i - 1];
-  const Stance& to = stances[i];
+  const MovedStance& from = stances[i - 1];
+  const MovedStance& to = stances[i];
   const double share = Smootherstep(static_cast<double>(frame - from.last) / (to.first - from.last));
   return {(1 - share) * (from.placement * ankle) + share * (to.placement * ankle),
           (1 - share) * from.placement.yaw_rad + share * to.placement.yaw_rad};
@@ -162,15 +162,15 @@ MotionClip Bent(const MotionClip& clip, const ContactTrack& contacts, const Bend
     bent.root_positions().col(f) = Vector3d(at.x(), clip.root_positions()(1, f), at.z());
   }
 
-  // How far the pelvis must come down so that no leg is stretched further than in the capture or `kReach`.
-  const std::vector<Stance> stances[] = {StancesOf(Foot::kLeft, contacts, placements), StancesOf(Foot::kRight, contacts, placements)};
+  // How far the pelvis must come down so that no leg is stretched further than in the capture or `kStraightest`.
+  const std::vector<MovedStance> stances[] = {StancesOf(Foot::kLeft, contacts, placements), StancesOf(Foot::kRight, contacts, placements)};
   std::vector<FootTarget> targets[2];
   std::vector<double> excess(frames, 0.0);
   for (int side = 0; side < 2; ++side) {
     for (int f = 0; f < frames; ++f) {
       const LegMeasure own = legs[side].Measure(clip.root_positions().col(f), clip.rotations(f));
       targets[side].push_back(TargetAt(stances[side], f, own.ankle_m));
-      const double reach = std::max(kReach * legs[side].length_m(), (own.ankle_m - own.hip_m).norm());
+      const double reach = std::max(kStraightest * legs[side].length_m(), (own.ankle_m - own.hip_m).norm());
       const Vector3d hip = legs[side].Measure(bent.root_positions().col(f), bent.rotations(f)).hip_m;
       const Vector3d leg = targets[side][f].ankle_m - hip;
       const double across = std::hypot(leg.x(), leg.z());

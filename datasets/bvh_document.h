@@ -1,13 +1,19 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <array>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "datasets/skeleton.h"
 
 namespace morphograph {
+
+/// How BVH names the channels, in the order of `Channel`.
+inline constexpr std::array<std::string_view, 6> kBvhChannelWords = {"Xposition", "Yposition", "Zposition",
+                                                                      "Xrotation", "Yrotation", "Zrotation"};
 
 /// A BVH file as it stands: source units, source axes, source channel order; degrees.
 struct BvhDocument {

@@ -135,7 +135,7 @@ class Scanner {
   // "Frames:", "Frames :", "Frame Time:" ... : the words, then an optional colon that may stick to what follows.
   void ExpectLabel(std::initializer_list<std::string_view> words) {
     std::string wanted;
-    for (const std::string_view word : words) wanted += (wanted.empty() ? "" : " ") + std::string(word);
+    for (const std::string_view word : words) wanted += std::string(wanted.empty() ? "" : " ").append(word);
     SkipSpace();
     const size_t label_start = at_;
     for (const std::string_view word : words) {
@@ -177,12 +177,9 @@ class Scanner {
   size_t start_ = 0;
 };
 
-constexpr std::array<std::string_view, 6> kChannelWords = {"Xposition", "Yposition", "Zposition",
-                                                           "Xrotation", "Yrotation", "Zrotation"};
-
 std::optional<Channel> ChannelFromWord(std::string_view word) {
-  for (size_t i = 0; i < kChannelWords.size(); ++i) {
-    if (EqualsIgnoringCase(word, kChannelWords[i])) return static_cast<Channel>(i);
+  for (size_t i = 0; i < kBvhChannelWords.size(); ++i) {
+    if (EqualsIgnoringCase(word, kBvhChannelWords[i])) return static_cast<Channel>(i);
   }
   return std::nullopt;
 }

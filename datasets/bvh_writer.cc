@@ -11,8 +11,6 @@
 namespace morphograph {
 namespace {
 
-constexpr std::array<std::string_view, 6> kChannelWords = {"Xposition", "Yposition", "Zposition",
-                                                           "Xrotation", "Yrotation", "Zrotation"};
 constexpr int kMaxDecimals = 15;
 constexpr int kLongestNumber = 340;  // digits of the greatest double, sign, point and decimals
 
@@ -139,7 +137,7 @@ class Writer {
     text_ += indent + "\tCHANNELS " + std::to_string(node.channels.size());
     for (const Channel channel : node.channels) {
       text_ += " ";
-      text_ += kChannelWords[static_cast<int>(channel)];
+      text_ += kBvhChannelWords[static_cast<int>(channel)];
     }
     text_ += "\n";
     for (size_t i = 0; i < node.channels.size(); ++i) rows_.push_back(node.first_channel + static_cast<int>(i));

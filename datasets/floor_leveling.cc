@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "datasets/quantile.h"
+#include "datasets/turn_between.h"
 
 namespace morphograph {
 namespace {
@@ -35,7 +36,7 @@ MotionClip LevelFloor(const MotionClip& clip, const ContactTrack& contacts, cons
       done.slope = plane.slope;
       const Vector3d pivot(plane.origin.x(), plane.height_m, plane.origin.y());
       const Vector3d normal = Vector3d(-plane.slope.x(), 1, -plane.slope.y()).normalized();
-      const Quaterniond turn = Quaterniond::FromTwoVectors(normal, Vector3d::UnitY());
+      const Quaterniond turn = TurnBetween(normal, Vector3d::UnitY());
       for (int f = 0; f < clip.frame_count(); ++f) {
         level.rotation(f, root) = (turn * clip.rotation(f, root)).normalized();
         level.root_positions().col(f) = turn * (clip.root_positions().col(f) - pivot) + pivot;

@@ -21,7 +21,8 @@ struct FourierCurve {
 namespace gait_curves {
 
 inline constexpr double kToeOffPhase = 0.62;
-inline constexpr double kNormalStepM = 0.70;     // of the fitted curves, stature 1.75 m
+inline constexpr double kNormalStatureM = 1.75;  // of the fitted curves
+inline constexpr double kNormalStepM = 0.70;
 inline constexpr double kNormalSpeedMS = 1.3;
 
 extern const FourierCurve kHipFlexion;

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "datasets/turn_between.h"
+
 namespace morphograph {
 namespace {
 
@@ -157,7 +159,7 @@ LegSolution LegIk::Solve(const Vector3d& ankle_m, const std::optional<Quaternion
 
   const Vector3d hip_to_ankle = thigh + knee_turn * (chain.ankle_m - chain.knee_m);
   Quaterniond swing = Quaterniond::Identity();
-  if (to_target.norm() > 1e-9) swing = Quaterniond::FromTwoVectors(hip_to_ankle, to_target);
+  if (to_target.norm() > 1e-9) swing = TurnBetween(hip_to_ankle, to_target);
 
   rotations[hip_] = (chain.world_from_hip_parent.conjugate() * swing * chain.world_from_hip).normalized();
   rotations[knee_] = (chain.world_from_knee_parent.conjugate() * knee_turn * chain.world_from_knee).normalized();

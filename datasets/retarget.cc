@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "datasets/forward_kinematics.h"
+#include "datasets/turn_between.h"
 
 namespace morphograph {
 namespace {
@@ -106,7 +107,7 @@ class Linker {
     const Eigen::Vector3d target_bone =
         facing_ * (target_rest_.col(target_.roles()[end]) - target_rest_.col(target_.roles()[role]));
     if (source_bone.norm() < kShortBone_m || target_bone.norm() < kShortBone_m) return;
-    link.source_from_target = Eigen::Quaterniond::FromTwoVectors(target_bone, source_bone) * facing_;
+    link.source_from_target = TurnBetween(target_bone, source_bone) * facing_;
   }
 
   void LinkHand(JointRole elbow, JointRole wrist) {

@@ -21,7 +21,6 @@ using Eigen::Vector2d;
 using Eigen::Vector3d;
 using boost::math::double_constants::degree;
 
-constexpr double kNormalStature = 1.75;
 constexpr double kGridHz = 200;           // of the pelvis height, which needs its neighbours in time
 constexpr double kHeightSmoothingS = 0.055;
 constexpr double kReliefS = 0.10;         // how early the pelvis yields to a leg that runs out of reach
@@ -46,7 +45,7 @@ class Walker {
       thigh_m_ = skeleton_->joint(legs_[side].knee()).offset_m.norm();
       shin_m_ = skeleton_->joint(legs_[side].ankle()).offset_m.norm();
     }
-    stride_scale_ = plan_.step_m / (gait_curves::kNormalStepM * options_.stature_m / kNormalStature);
+    stride_scale_ = plan_.step_m / (gait_curves::kNormalStepM * options_.stature_m / gait_curves::kNormalStatureM);
     PlanPelvisHeight();
     for (int side = 0; side < 2; ++side) {
       feet_[side].PlanSwings([&](double t_s, double progress, const GaitStance& stance) {
@@ -63,7 +62,7 @@ class Walker {
 
  private:
   GaitFoot PlannedFoot(int side) const {
-    const double normal_swing_m = 2 * gait_curves::kNormalStepM * options_.stature_m / kNormalStature;
+    const double normal_swing_m = 2 * gait_curves::kNormalStepM * options_.stature_m / gait_curves::kNormalStatureM;
     return GaitFoot(plan_.stances[side], SyntheticFoot(options_.stature_m), normal_swing_m);
   }
   double Phase(int side, double t_s) const { return plan_.phase.ScalarAt(t_s) + (side == 0 ? 0.0 : 0.5); }
@@ -174,7 +173,7 @@ double Walker::PelvisHeight(double t_s) const {
 
 // Ankle where typical hip and knee angles of the swing would have it, in the plane of the path.
 Vector3d Walker::SwingCurve(int side, double t_s, double progress, const GaitStance& stance) const {
-  const double normal_swing_m = 2 * gait_curves::kNormalStepM * options_.stature_m / kNormalStature;
+  const double normal_swing_m = 2 * gait_curves::kNormalStepM * options_.stature_m / gait_curves::kNormalStatureM;
   const double scale = std::clamp(stance.swing_in_m / normal_swing_m, 0.3, 1.3);
   const double phase = gait_curves::kToeOffPhase + progress * (1 - gait_curves::kToeOffPhase);
   const double hip = gait_curves::kHipFlexion.AtRad(phase, scale);

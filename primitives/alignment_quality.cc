@@ -8,7 +8,7 @@
 namespace morphograph {
 namespace {
 
-Eigen::Vector2d OnFloor(const Eigen::Vector3d& point) { return {point.x(), point.z()}; }
+Eigen::Vector2d FloorPoint(const Eigen::Vector3d& point) { return {point.x(), point.z()}; }
 
 // One transform for all cells of the warp: the poses of all cells are one cloud of points.
 PlanarTransform SegmentTransform(const std::vector<Eigen::Matrix3Xd>& reference, const std::vector<Eigen::Matrix3Xd>& test,
@@ -44,14 +44,14 @@ SegmentAlignment AlignSegment(const std::vector<Eigen::Matrix3Xd>& reference, co
   for (size_t i = 0; i < reference.size(); ++i) {
     const Eigen::Matrix3Xd& pose = test[aligned.matched[i]];
     if (transform == AlignmentTransform::kEachFrame) FrameDistance(reference[i], pose, weights, &move);
-    aligned.root.col(static_cast<Eigen::Index>(i)) = OnFloor(move * pose.col(root));
+    aligned.root.col(static_cast<Eigen::Index>(i)) = FloorPoint(move * pose.col(root));
   }
   return aligned;
 }
 
 Eigen::Matrix2Xd FloorPath(const std::vector<Eigen::Matrix3Xd>& frames, int joint) {
   Eigen::Matrix2Xd path(2, static_cast<Eigen::Index>(frames.size()));
-  for (size_t f = 0; f < frames.size(); ++f) path.col(static_cast<Eigen::Index>(f)) = OnFloor(frames[f].col(joint));
+  for (size_t f = 0; f < frames.size(); ++f) path.col(static_cast<Eigen::Index>(f)) = FloorPoint(frames[f].col(joint));
   return path;
 }
 

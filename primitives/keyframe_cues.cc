@@ -8,17 +8,13 @@
 #include "datasets/joint_roles.h"
 #include "datasets/low_pass.h"
 #include "datasets/quantile.h"
+#include "primitives/pose_window.h"
 
 namespace morphograph {
 namespace {
 
 constexpr double kLowPassHz = 10;
 constexpr double kMinShare = 0.9;  // of the labels must have the turning point
-
-Eigen::Index RoleIndex(JointRole role) {
-  const std::vector<JointRole>& roles = EvaluationRoles();
-  return std::find(roles.begin(), roles.end(), role) - roles.begin();
-}
 
 // Sub-frame turning points; the ends of a clip are none.
 std::vector<double> TurningPoints(const Eigen::MatrixXd& signals, int row, bool maximum) {
@@ -47,8 +43,8 @@ Eigen::MatrixXd CueSignals(const std::vector<Eigen::Matrix3Xd>& poses, double fr
   if (poses.empty()) return {};
   const Eigen::Index frames = static_cast<Eigen::Index>(poses.size());
   const Eigen::Index joints = poses[0].cols();
-  const Eigen::Index hips = RoleIndex(JointRole::kHips);
-  const Eigen::Index left = RoleIndex(JointRole::kLeftHip), right = RoleIndex(JointRole::kRightHip);
+  const Eigen::Index hips = PoseColumn(JointRole::kHips);
+  const Eigen::Index left = PoseColumn(JointRole::kLeftHip), right = PoseColumn(JointRole::kRightHip);
   Eigen::MatrixXd signals(3 * joints + joints * (joints - 1) / 2, frames);
   for (Eigen::Index f = 0; f < frames; ++f) {
     const Eigen::Matrix3Xd& pose = poses[static_cast<size_t>(f)];

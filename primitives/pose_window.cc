@@ -15,11 +15,6 @@ constexpr Eigen::Index kPoses = 3;  // in a window
 // Scatter that any joint may have within a kind, as part of the mean one: few examples can agree by chance.
 constexpr double kLeastScatter = 0.01;
 
-Eigen::Index RoleIndex(JointRole role) {
-  const std::vector<JointRole>& roles = EvaluationRoles();
-  return std::find(roles.begin(), roles.end(), role) - roles.begin();
-}
-
 Eigen::Matrix3Xd PoseAt(const std::vector<Eigen::Matrix3Xd>& poses, double frame) {
   const int last = static_cast<int>(poses.size()) - 1;
   if (last == 0) return poses[0];
@@ -31,7 +26,7 @@ Eigen::Matrix3Xd PoseAt(const std::vector<Eigen::Matrix3Xd>& poses, double frame
 Eigen::Matrix3Xd Facing(const Eigen::Matrix3Xd& window) {
   const Eigen::Index middle = window.cols() / kPoses * (kPoses / 2);
   const Eigen::Vector3d across =
-      window.col(middle + RoleIndex(JointRole::kLeftHip)) - window.col(middle + RoleIndex(JointRole::kRightHip));
+      window.col(middle + PoseColumn(JointRole::kLeftHip)) - window.col(middle + PoseColumn(JointRole::kRightHip));
   const double length = std::hypot(across.x(), across.z());
   const double c = length > 0 ? across.x() / length : 1, s = length > 0 ? across.z() / length : 0;
   Eigen::Matrix3Xd turned = window;
@@ -56,6 +51,11 @@ Eigen::VectorXd Scatter(const std::vector<Eigen::Matrix3Xd>& windows) {
 }
 
 }  // namespace
+
+Eigen::Index PoseColumn(JointRole role) {
+  const std::vector<JointRole>& roles = EvaluationRoles();
+  return std::find(roles.begin(), roles.end(), role) - roles.begin();
+}
 
 std::vector<Eigen::Matrix3Xd> ScaledPoses(const MotionClip& clip) {
   const std::vector<JointRole>& roles = EvaluationRoles();
@@ -82,7 +82,7 @@ std::vector<Eigen::Matrix3Xd> MirroredPoses(const std::vector<Eigen::Matrix3Xd>&
   std::vector<Eigen::Matrix3Xd> mirrored = poses;
   for (size_t f = 0; f < poses.size(); ++f) {
     for (size_t i = 0; i < roles.size(); ++i) {
-      mirrored[f].col(RoleIndex(MirroredRole(roles[i]))) = poses[f].col(static_cast<Eigen::Index>(i));
+      mirrored[f].col(PoseColumn(MirroredRole(roles[i]))) = poses[f].col(static_cast<Eigen::Index>(i));
     }
     mirrored[f].row(0) *= -1;
   }

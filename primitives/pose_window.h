@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <vector>
 
+#include "datasets/joint_roles.h"
 #include "datasets/motion_clip.h"
 
 namespace morphograph {
@@ -10,6 +11,9 @@ namespace morphograph {
 /// The joints of EvaluationRoles in every frame (each 3 x joints, world), in leg lengths, so that bodies of any size compare.
 /// @throws std::invalid_argument when the clip lacks one of these roles or has no leg bones.
 std::vector<Eigen::Matrix3Xd> ScaledPoses(const MotionClip& clip);
+
+/// The column of such a pose that holds a joint, one of EvaluationRoles.
+Eigen::Index PoseColumn(JointRole role);
 
 /// The poses in a mirror: x changes sign, left and right joints change places.
 std::vector<Eigen::Matrix3Xd> MirroredPoses(const std::vector<Eigen::Matrix3Xd>& poses);

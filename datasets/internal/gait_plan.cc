@@ -13,7 +13,6 @@ namespace {
 using Eigen::Vector2d;
 
 constexpr double kGrainM = 0.005;        // of the tabulated path
-constexpr double kNormalStature = 1.75;  // of the gait curves
 constexpr double kWalkRatio = 0.0064;    // m min, Sekiya & Nagasaki 1998
 constexpr double kShiftS = 0.45;         // weight shift before the first lift
 constexpr double kSettleS = 0.50;        // after the closing strike
@@ -72,7 +71,7 @@ double GaitPlan::Fade(double t_s) const {
 
 GaitPlan PlanGait(const SyntheticGaitOptions& options) {
   GaitPlan plan;
-  const double ratio = kWalkRatio * options.stature_m / kNormalStature;
+  const double ratio = kWalkRatio * options.stature_m / gait_curves::kNormalStatureM;
   plan.step_m = options.step_length_m.value_or(std::sqrt(options.speed_m_s * 60 * ratio));
   plan.step_s = plan.step_m / options.speed_m_s;
   const double overlap = DoubleSupport(options.speed_m_s);
@@ -114,7 +113,7 @@ GaitPlan PlanGait(const SyntheticGaitOptions& options) {
   // Footprints.
   const auto side_of = [&](int k) { return (k % 2 == 0) == options.left_first ? Foot::kLeft : Foot::kRight; };
   const auto left = [](Foot foot) { return foot == Foot::kLeft ? 1.0 : -1.0; };
-  const double stand_half = std::max(kStandWidthM * options.stature_m / kNormalStature, options.step_width_m) / 2;
+  const double stand_half = std::max(kStandWidthM * options.stature_m / gait_curves::kNormalStatureM, options.step_width_m) / 2;
   const double step_half = options.step_width_m / 2;
   for (const Foot foot : {Foot::kLeft, Foot::kRight}) {
     GaitStance stance;

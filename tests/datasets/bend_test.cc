@@ -72,14 +72,14 @@ double HardestAcceleration(const MotionClip& clip) {
   return hardest;
 }
 
-MotionClip Walk() {
+MotionClip TwelveSteps() {
   SyntheticGaitOptions options;
   options.steps = 12;
   return GenerateGait(options);
 }
 
 TEST(Bend, KeepsPlantedFeetPlantedWhileTheWalkTurns) {
-  const MotionClip walk = Walk();
+  const MotionClip walk = TwelveSteps();
   const ContactTrack contacts = DetectContacts(walk);
   ASSERT_GT(contacts.intervals.size(), 8u);
   for (const double turn : {-0.35, 0.15, 0.35}) {
@@ -93,14 +93,14 @@ TEST(Bend, KeepsPlantedFeetPlantedWhileTheWalkTurns) {
 }
 
 TEST(Bend, NoTurnChangesNothing) {
-  const MotionClip walk = Walk();
+  const MotionClip walk = TwelveSteps();
   const MotionClip bent = Bent(walk, DetectContacts(walk), {0.0});
   const auto a = JointPositions(walk), b = JointPositions(bent);
   for (int f = 0; f < walk.frame_count(); ++f) ASSERT_LT((a[f] - b[f]).cwiseAbs().maxCoeff(), 1e-6);
 }
 
 TEST(Bend, DoesNotTurnWhileStanding) {
-  const MotionClip walk = Walk();
+  const MotionClip walk = TwelveSteps();
   const MotionClip bent = Bent(walk, DetectContacts(walk), {0.3});
   EXPECT_NEAR(HeadingRad(bent, 25), HeadingRad(walk, 25), 1e-3);
   const int last = bent.frame_count() - 1;
@@ -108,7 +108,7 @@ TEST(Bend, DoesNotTurnWhileStanding) {
 }
 
 TEST(Bend, RefusesATurnThatNobodyWalks) {
-  const MotionClip walk = Walk();
+  const MotionClip walk = TwelveSteps();
   const ContactTrack contacts = DetectContacts(walk);
   EXPECT_THROW(Bent(walk, contacts, {0.7}), std::invalid_argument);
   EXPECT_THROW(Bent(walk, contacts, {std::nan("")}), std::invalid_argument);

@@ -18,7 +18,7 @@ namespace {
 using ::testing::HasSubstr;
 using testing::kSmallBvh;
 
-std::string ErrorOf(std::string_view text, const BvhLimits& limits = {}) {
+std::string BvhError(std::string_view text, const BvhLimits& limits = {}) {
   try {
     ParseBvh(text, "f.bvh", limits);
   } catch (const DatasetError& error) {
@@ -183,7 +183,7 @@ TEST(BvhReader, SaysWhatIsWrongAndWhere) {
       {Chain(501, 1), "f.bvh:502:1: joints nested deeper than 500"},
   };
   for (const auto& [broken, expected] : cases) {
-    EXPECT_THAT(ErrorOf(broken), HasSubstr(expected)) << broken.substr(0, 80);
+    EXPECT_THAT(BvhError(broken), HasSubstr(expected)) << broken.substr(0, 80);
   }
 }
 
@@ -191,10 +191,10 @@ TEST(BvhReader, TruncationAnywhereIsAnErrorWithAPlace) {
   const std::string_view text = kSmallBvh;
   const size_t last_number = text.find_last_of(' ') + 1;  // cutting inside the last number leaves a shorter number
   for (size_t length = 0; length <= last_number; ++length) {
-    const std::string error = ErrorOf(text.substr(0, length));
+    const std::string error = BvhError(text.substr(0, length));
     EXPECT_THAT(error, HasSubstr("f.bvh:")) << length;
   }
-  EXPECT_EQ(ErrorOf(text.substr(0, last_number + 1)), "");
+  EXPECT_EQ(BvhError(text.substr(0, last_number + 1)), "");
 }
 
 TEST(BvhReader, DeepChainsUpToTheLimitAreRead) {
@@ -212,7 +212,7 @@ TEST(BvhReader, ClaimedFramesCostNoMemory) {
   getrusage(RUSAGE_SELF, &before);
   BvhLimits generous;
   generous.max_joint_frames = 1'000'000'000;
-  EXPECT_THAT(ErrorOf(text, generous), HasSubstr("the file ends in frame 1 of 900000"));
+  EXPECT_THAT(BvhError(text, generous), HasSubstr("the file ends in frame 1 of 900000"));
   getrusage(RUSAGE_SELF, &after);
   EXPECT_LT(after.ru_maxrss - before.ru_maxrss, 50'000) << "KiB";  // 2.9 GB were claimed
 }
@@ -258,9 +258,9 @@ TEST(BvhReader, BoundsJointsTimesFramesWhereJointsHaveNoChannels) {
   const std::string text = testing::ManyJointsWithoutChannels(50, 40);
   BvhLimits limits;
   limits.max_joint_frames = 2000;
-  EXPECT_EQ(ErrorOf(text, limits), "");
+  EXPECT_EQ(BvhError(text, limits), "");
   limits.max_joint_frames = 1999;
-  EXPECT_THAT(ErrorOf(text, limits), HasSubstr("40 frames of 50 joints"));
+  EXPECT_THAT(BvhError(text, limits), HasSubstr("40 frames of 50 joints"));
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 namespace morphograph {
 namespace {
 
-SyntheticGaitOptions Walk(double frame_rate_hz) {
+SyntheticGaitOptions WalkAt(double frame_rate_hz) {
   SyntheticGaitOptions options;
   options.frame_rate_hz = frame_rate_hz;
   options.steps = 8;
@@ -29,7 +29,7 @@ class ContactDetector : public ::testing::TestWithParam<double> {};
 
 TEST_P(ContactDetector, StancesBeginAtTheStrikesOfAMadeWalk) {
   SyntheticGaitTruth truth;
-  const MotionClip clip = GenerateGait(Walk(GetParam()), &truth);
+  const MotionClip clip = GenerateGait(WalkAt(GetParam()), &truth);
   const ContactTrack track = DetectContacts(clip);
   for (const SyntheticGaitTruth::Strike& strike : truth.strikes) {
     double nearest = 1e9;
@@ -44,7 +44,7 @@ TEST_P(ContactDetector, StancesBeginAtTheStrikesOfAMadeWalk) {
 }
 
 TEST_P(ContactDetector, FollowsASlopedFloor) {
-  const MotionClip level = GenerateGait(Walk(GetParam()));
+  const MotionClip level = GenerateGait(WalkAt(GetParam()));
   const ContactTrack flat = DetectContacts(level);
   const double slope = 0.04;
   const ContactTrack sloped = DetectContacts(OnSlope(level, slope));
@@ -59,7 +59,7 @@ TEST_P(ContactDetector, FollowsASlopedFloor) {
 INSTANTIATE_TEST_SUITE_P(FrameRates, ContactDetector, ::testing::Values(30.0, 60.0, 100.0, 120.0));
 
 TEST(ContactDetectorTest, IgnoresHeadingAndFloorPosition) {
-  const MotionClip clip = GenerateGait(Walk(60));
+  const MotionClip clip = GenerateGait(WalkAt(60));
   const ContactTrack here = DetectContacts(clip);
   const ContactTrack there = DetectContacts(Moved(clip, 2.1, -30, 12));
   EXPECT_TRUE((here.planted == there.planted).all());
@@ -67,7 +67,7 @@ TEST(ContactDetectorTest, IgnoresHeadingAndFloorPosition) {
 }
 
 TEST(ContactDetectorTest, HeelsAndBallsOfPlantedFeetLieOnTheGround) {
-  const MotionClip clip = GenerateGait(Walk(60));
+  const MotionClip clip = GenerateGait(WalkAt(60));
   const ContactTrack track = DetectContacts(clip);
   for (int f = 0; f < clip.frame_count(); ++f) {
     for (int side = 0; side < 2; ++side) {
@@ -80,14 +80,14 @@ TEST(ContactDetectorTest, HeelsAndBallsOfPlantedFeetLieOnTheGround) {
 }
 
 TEST(ContactDetectorTest, TakesShortClips) {
-  const MotionClip clip = GenerateGait(Walk(60));
+  const MotionClip clip = GenerateGait(WalkAt(60));
   EXPECT_TRUE(DetectContacts(clip.Slice(0, 0)).intervals.empty());
   EXPECT_EQ(DetectContacts(clip.Slice(5, 1)).ground_m.size(), 1);
   EXPECT_EQ(DetectContacts(clip.Slice(5, 2)).planted.cols(), 2);
 }
 
 TEST(ContactDetectorTest, BothFeetStandThroughAStand) {
-  const MotionClip stand = GenerateGait(Walk(60)).Slice(0, 30);
+  const MotionClip stand = GenerateGait(WalkAt(60)).Slice(0, 30);
   const ContactTrack track = DetectContacts(stand);
   ASSERT_EQ(track.intervals.size(), 2u);
   for (const ContactInterval& contact : track.intervals) {
@@ -99,7 +99,7 @@ TEST(ContactDetectorTest, BothFeetStandThroughAStand) {
 // Unsmoothed, feet that jitter by 3 cm a frame never are slow, and nothing can be learned of such a capture.
 TEST(ContactDetectorTest, FindsTheStancesOfAJitteryCapture) {
   for (const double rate : {30.0, 120.0}) {
-    SyntheticGaitOptions options = Walk(rate);
+    SyntheticGaitOptions options = WalkAt(rate);
     options.steps = 20;
     const MotionClip clip = GenerateGait(options);
     NoiseOptions noise;

@@ -22,7 +22,7 @@ std::vector<std::string> Names(const Dataset& dataset) {
 }
 
 template <typename Body>
-std::string ErrorOf(const Body& body) {
+std::string LoadError(const Body& body) {
   try {
     body();
   } catch (const DatasetError& error) {
@@ -85,22 +85,22 @@ TEST(DatasetLoader, ANestedStylePatternTakesNoExponentialTime) {
 
 TEST(DatasetLoader, ErrorsNameTheFile) {
   const testing::TemporaryFolder folder;
-  EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}); }), HasSubstr("no *.bvh file found"));
-  EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path() / "none"}); }), HasSubstr("none: no such file or folder"));
+  EXPECT_THAT(LoadError([&] { LoadDataset({folder.path()}); }), HasSubstr("no *.bvh file found"));
+  EXPECT_THAT(LoadError([&] { LoadDataset({folder.path() / "none"}); }), HasSubstr("none: no such file or folder"));
   folder.Write("good.bvh", kSmallBvh);
   folder.Write("broken1.bvh", std::string(kSmallBvh).substr(0, 300));
   folder.Write("broken2.bvh", "");
   for (const int jobs : {1, 4}) {
-    EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("broken1.bvh:")) << jobs;
-    EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("2 files are broken, also: broken2.bvh")) << jobs;
+    EXPECT_THAT(LoadError([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("broken1.bvh:")) << jobs;
+    EXPECT_THAT(LoadError([&] { LoadDataset({folder.path()}, DatasetManifest(), jobs); }), HasSubstr("2 files are broken, also: broken2.bvh")) << jobs;
   }
   const DatasetLimits tight{.file = {}, .max_joint_frames = 10};
-  EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path() / "good.bvh"}, DatasetManifest(), 1, tight); }), HasSubstr("good.bvh: the set is too large"));
-  EXPECT_THAT(ErrorOf([&] {
+  EXPECT_THAT(LoadError([&] { LoadDataset({folder.path() / "good.bvh"}, DatasetManifest(), 1, tight); }), HasSubstr("good.bvh: the set is too large"));
+  EXPECT_THAT(LoadError([&] {
                 LoadDataset({folder.path()}, ParseManifest(R"({"include": ["good*"], "clips": {"good": {"to": 3}}})", "m"));
               }),
               HasSubstr("good.bvh: the manifest asks for frame 3 of 3"));
-  EXPECT_THAT(ErrorOf([&] { LoadDataset({folder.path()}, ParseManifest(R"({"include": ["x"]})", "m")); }),
+  EXPECT_THAT(LoadError([&] { LoadDataset({folder.path()}, ParseManifest(R"({"include": ["x"]})", "m")); }),
               HasSubstr("m: leaves none of the files"));
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string ErrorOf(const std::string& json) {
+std::string ManifestError(const std::string& json) {
   try {
     ParseManifest(json, "set.json");
   } catch (const DatasetError& error) {
@@ -84,17 +84,17 @@ TEST(Manifest, ErrorsNameTheFileAndTheMember) {
       {"", "set.json:1:1: not valid JSON"},
       {std::string(100000, '['), "nested deeper"},
   };
-  for (const auto& [json, expected] : cases) EXPECT_THAT(ErrorOf(json), HasSubstr(expected)) << json.substr(0, 60);
+  for (const auto& [json, expected] : cases) EXPECT_THAT(ManifestError(json), HasSubstr(expected)) << json.substr(0, 60);
 }
 
 // Patterns come from strangers too (POST /v1/models): none may take the stack or exponential time.
 TEST(Manifest, DeepAndNestedPatternsAreBounded) {
-  EXPECT_THAT(ErrorOf(R"({"style": ")" + std::string(100000, '(') + R"("})"), HasSubstr("/style: not a regular expression"));
+  EXPECT_THAT(ManifestError(R"({"style": ")" + std::string(100000, '(') + R"("})"), HasSubstr("/style: not a regular expression"));
   std::string deep(100000, '(');
   deep.append("a").append(100000, ')');
-  EXPECT_LT(ErrorOf(R"({"style": ")" + deep + R"("})").size(), 500u);  // taken or refused, as RE2 likes
-  EXPECT_THAT(ErrorOf(R"j({"style": "((((a{100}){100}){100}){100})"})j"), HasSubstr("/style: not a regular expression"));
-  EXPECT_EQ(ErrorOf(R"({"style": "^(a+)+$"})"), "");
+  EXPECT_LT(ManifestError(R"({"style": ")" + deep + R"("})").size(), 500u);  // taken or refused, as RE2 likes
+  EXPECT_THAT(ManifestError(R"j({"style": "((((a{100}){100}){100}){100})"})j"), HasSubstr("/style: not a regular expression"));
+  EXPECT_EQ(ManifestError(R"({"style": "^(a+)+$"})"), "");
 }
 
 TEST(Manifest, ManyStarsAgainstALongNameEndSoon) {

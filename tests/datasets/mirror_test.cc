@@ -9,6 +9,7 @@
 #include "datasets/forward_kinematics.h"
 #include "datasets/leg_ik.h"
 #include "datasets/synthetic_gait.h"
+#include "datasets/turn_between.h"
 #include "tests/support/shared_data.h"
 
 namespace morphograph {
@@ -76,7 +77,7 @@ MotionClip WithTurnedBones(const MotionClip& clip) {
       if (plain.parent(static_cast<int>(c)) == static_cast<int>(j)) child = static_cast<int>(c);
     }
     if ((left || right) && child > 0) {
-      turn[j] = Quaterniond::FromTwoVectors(left ? Vector3d::UnitX() : Vector3d(-Vector3d::UnitX()), plain.joint(child).offset_m);
+      turn[j] = TurnBetween(left ? Vector3d::UnitX() : Vector3d(-Vector3d::UnitX()), plain.joint(child).offset_m);
     }
   }
   for (size_t j = 1; j < joints.size(); ++j) joints[j].offset_m = turn[joints[j].parent].conjugate() * joints[j].offset_m;

@@ -12,7 +12,6 @@
 namespace morphograph {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 
 std::shared_ptr<const Skeleton> OneJoint() {
   return std::make_shared<const Skeleton>(std::vector<Joint>{{"Root", -1, {0, 0, 0}, {}, {}}}, RoleMap(), 1, UpAxis::kY);
@@ -76,24 +75,24 @@ TEST(MotionClip, MovingTurnsTheWholeBodyAboutTheWorldsOrigin) {
   const MotionClip moved = Moved(clip, yaw, 3, -4);
   // Seen from above, +Z turned by +90 degrees is +X.
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(yaw, Eigen::Vector3d::UnitY()).toRotationMatrix();
-  EXPECT_NEAR((Eigen::AngleAxisd(kPi / 2, Eigen::Vector3d::UnitY()) * Eigen::Vector3d::UnitZ()).x(), 1, 1e-15);
+  EXPECT_NEAR((Eigen::AngleAxisd(std::numbers::pi / 2, Eigen::Vector3d::UnitY()) * Eigen::Vector3d::UnitZ()).x(), 1, 1e-15);
   for (int f = 0; f < clip.frame_count(); f += 7) {
     const WorldPose before = ForwardKinematics(clip, f), after = ForwardKinematics(moved, f);
     const Eigen::Matrix3Xd expected = (turn * before.positions).colwise() + Eigen::Vector3d(3, 0, -4);
     EXPECT_LT((after.positions - expected).cwiseAbs().maxCoeff(), 1e-12);
-    EXPECT_NEAR(std::remainder(HeadingRad(moved, f) - HeadingRad(clip, f) - yaw, 2 * kPi), 0, 1e-12);
+    EXPECT_NEAR(std::remainder(HeadingRad(moved, f) - HeadingRad(clip, f) - yaw, 2 * std::numbers::pi), 0, 1e-12);
   }
 }
 
 TEST(MotionClip, HeadingIsWhereTheHipsFace) {
   SyntheticGaitOptions options;
   options.steps = 6;
-  for (const double heading : {0.0, kPi / 2, -2.5}) {
+  for (const double heading : {0.0, std::numbers::pi / 2, -2.5}) {
     options.heading_rad = heading;
     const MotionClip clip = GenerateGait(options);
-    EXPECT_NEAR(std::remainder(HeadingRad(clip, 0) - heading, 2 * kPi), 0, 1e-6);  // standing
+    EXPECT_NEAR(std::remainder(HeadingRad(clip, 0) - heading, 2 * std::numbers::pi), 0, 1e-6);  // standing
     const int middle = clip.frame_count() / 2;
-    EXPECT_NEAR(std::remainder(HeadingRad(clip, middle) - heading, 2 * kPi), 0, 0.2);  // the pelvis turns with each step
+    EXPECT_NEAR(std::remainder(HeadingRad(clip, middle) - heading, 2 * std::numbers::pi), 0, 0.2);  // the pelvis turns with each step
   }
 }
 

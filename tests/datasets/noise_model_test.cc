@@ -29,12 +29,12 @@ MotionClip MakeWalk(double rate_hz, int steps) {
   return clip;
 }
 
-const MotionClip& Walk() {
+const MotionClip& LongWalk() {
   static const MotionClip clip = MakeWalk(30, 60);
   return clip;
 }
 
-const MotionClip& ShortWalk() {
+const MotionClip& TenStepWalk() {
   static const MotionClip clip = MakeWalk(30, 10);
   return clip;
 }
@@ -62,7 +62,7 @@ double RootMeanSquare(const std::vector<double>& values) {
 }
 
 TEST(NoiseModel, IsTheSameForTheSameClipAndSeedAndAnotherForOthers) {
-  const MotionClip& clip = ShortWalk();
+  const MotionClip& clip = TenStepWalk();
   MotionClip renamed = clip;
   renamed.name = "walk_002";
   EXPECT_TRUE(Same(AddNoise(clip, {}, 7), AddNoise(clip, {}, 7)));
@@ -72,12 +72,12 @@ TEST(NoiseModel, IsTheSameForTheSameClipAndSeedAndAnotherForOthers) {
 }
 
 TEST(NoiseModel, WithoutNoiseIsTheClipItself) {
-  const MotionClip& clip = ShortWalk();
+  const MotionClip& clip = TenStepWalk();
   EXPECT_TRUE(Same(AddNoise(clip, Silent(), 3), clip));
 }
 
 TEST(NoiseModel, LimbsEndInHeadHandsAndFeet) {
-  const Skeleton& skeleton = ShortWalk().skeleton();
+  const Skeleton& skeleton = TenStepWalk().skeleton();
   const std::vector<std::vector<int>> limbs = NoisyLimbs(skeleton);
   ASSERT_EQ(limbs.size(), 5u);
   EXPECT_EQ(limbs[1].front(), skeleton.roles()[JointRole::kLeftElbow]);
@@ -113,7 +113,7 @@ TEST(NoiseModel, AJointThatCarriesSeveralEndsIsNoPartOfALimb) {
 }
 
 TEST(NoiseModel, TouchesNeitherBonesNorInnerJoints) {
-  const MotionClip &clip = ShortWalk(), noisy = AddNoise(clip, {}, 5);
+  const MotionClip &clip = TenStepWalk(), noisy = AddNoise(clip, {}, 5);
   std::set<int> touched = {clip.skeleton().moving_root()};
   for (const std::vector<int>& limb : NoisyLimbs(clip.skeleton())) touched.insert(limb.begin(), limb.end());
   for (int f = 0; f < clip.frame_count(); f += 3) {
@@ -132,7 +132,7 @@ TEST(NoiseModel, TouchesNeitherBonesNorInnerJoints) {
 }
 
 TEST(NoiseModel, JitterIsWhiteWithTheDeviationAsked) {
-  const MotionClip& clip = Walk();
+  const MotionClip& clip = LongWalk();
   NoiseOptions options = Silent();
   options.leaf_jitter_rad = 0.07, options.root_jitter_m = 0.01, options.root_jitter_rad = 0.03;
   const MotionClip noisy = AddNoise(clip, options, 11);
@@ -177,7 +177,7 @@ TEST(NoiseModel, SlipsComeAsOftenAndAsFarAsAsked) {
   options.slips_per_s = 0.5, options.slip_rad = 0.2, options.slip_m = 0.06, options.slip_s = 0.4;
   double turned = 0, shifted = 0, frames = 0;
   for (int n = 0; n < 6; ++n) {
-    MotionClip clip = Walk();
+    MotionClip clip = LongWalk();
     clip.name += std::to_string(n);
     const MotionClip noisy = AddNoise(clip, options, 3);
     const int elbow = clip.skeleton().roles()[JointRole::kLeftElbow], wrist = clip.skeleton().roles()[JointRole::kLeftWrist];
@@ -197,7 +197,7 @@ TEST(NoiseModel, DropoutsFreezeALimbForAsLongAsAskedAndThenItIsBack) {
   options.dropouts_per_s = 0.25, options.dropout_s = 0.3;
   int frozen = 0, back = 0, frames = 0;
   for (int n = 0; n < 6; ++n) {
-    MotionClip clip = Walk();
+    MotionClip clip = LongWalk();
     clip.name += std::to_string(n);
     const MotionClip noisy = AddNoise(clip, options, 9);
     const int knee = clip.skeleton().roles()[JointRole::kRightKnee], ankle = clip.skeleton().roles()[JointRole::kRightAnkle];
@@ -220,7 +220,7 @@ TEST(NoiseModel, DropoutsFreezeALimbForAsLongAsAskedAndThenItIsBack) {
 }
 
 TEST(NoiseModel, OneKindDoesNotShiftTheOthers) {
-  const MotionClip& clip = ShortWalk();
+  const MotionClip& clip = TenStepWalk();
   NoiseOptions jitter = Silent(), both = Silent();
   jitter.root_jitter_m = both.root_jitter_m = 0.01;
   both.slips_per_s = 1, both.slip_m = 0;
@@ -230,7 +230,7 @@ TEST(NoiseModel, OneKindDoesNotShiftTheOthers) {
 TEST(NoiseModel, NamesTheOptionAtFault) {
   const auto message = [](const NoiseOptions& options) -> std::string {
     try {
-      AddNoise(ShortWalk(), options, 1);
+      AddNoise(TenStepWalk(), options, 1);
     } catch (const std::invalid_argument& error) {
       return error.what();
     }

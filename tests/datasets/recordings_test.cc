@@ -14,7 +14,7 @@
 namespace morphograph {
 namespace {
 
-double WorstDistance(const MotionClip& a, const MotionClip& b) {
+double WorstCoordinate(const MotionClip& a, const MotionClip& b) {
   double worst = a.frame_count() == b.frame_count() ? 0 : 1e9;
   WorldPose one, other;
   for (int f = 0; f < std::min(a.frame_count(), b.frame_count()); ++f) {
@@ -60,7 +60,7 @@ TEST(Recordings, ComeBackWithTheSameNamesValuesAndPositions) {
       ClipExportOptions options;
       options.source_channels = source_channels;
       const BvhDocument written = ParseBvh(WriteBvh(ExportClip(clip, options)), files[i].string());
-      EXPECT_LT(WorstDistance(clip, ImportClip(written, fixed)), 1e-4) << source_channels;
+      EXPECT_LT(WorstCoordinate(clip, ImportClip(written, fixed)), 1e-4) << source_channels;
       EXPECT_TRUE(!source_channels || written.channel_count() == document.channel_count());
     }
   });

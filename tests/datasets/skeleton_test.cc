@@ -32,7 +32,7 @@ RoleMap LegRoles() {
   return roles;
 }
 
-std::string ErrorOf(std::vector<Joint> joints, const RoleMap& roles = {}, double metres_per_unit = 1) {
+std::string SkeletonError(std::vector<Joint> joints, const RoleMap& roles = {}, double metres_per_unit = 1) {
   try {
     Skeleton(std::move(joints), roles, metres_per_unit, UpAxis::kY);
   } catch (const std::invalid_argument& error) {
@@ -66,35 +66,35 @@ TEST(Skeleton, WithoutRolesTheFirstJointMovesAndThereAreNoLegs) {
 }
 
 TEST(Skeleton, ParentsPrecedeTheirChildren) {
-  EXPECT_EQ(ErrorOf(Legs()), "");
-  EXPECT_THAT(ErrorOf({}), HasSubstr("no joints"));
+  EXPECT_EQ(SkeletonError(Legs()), "");
+  EXPECT_THAT(SkeletonError({}), HasSubstr("no joints"));
   for (const auto& [joint, parent] : {std::pair{0, 0}, {0, 3}, {2, -1}, {2, -7}, {2, 2}, {2, 5}, {8, 9}, {8, 1000}}) {
     std::vector<Joint> joints = Legs();
     joints[static_cast<size_t>(joint)].parent = parent;
-    EXPECT_THAT(ErrorOf(joints), HasSubstr("parent of joint '" + joints[static_cast<size_t>(joint)].name + "'")) << parent;
+    EXPECT_THAT(SkeletonError(joints), HasSubstr("parent of joint '" + joints[static_cast<size_t>(joint)].name + "'")) << parent;
   }
 }
 
 TEST(Skeleton, NamesAreUniqueAndNumbersFinite) {
   std::vector<Joint> joints = Legs();
   joints[3].name.clear();
-  EXPECT_THAT(ErrorOf(joints), HasSubstr("joint 3 has no name"));
+  EXPECT_THAT(SkeletonError(joints), HasSubstr("joint 3 has no name"));
   joints[3].name = "Hips";
-  EXPECT_THAT(ErrorOf(joints), HasSubstr("two joints are called 'Hips'"));
+  EXPECT_THAT(SkeletonError(joints), HasSubstr("two joints are called 'Hips'"));
   const double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
   joints = Legs();
   joints[4].offset_m.y() = nan;
-  EXPECT_THAT(ErrorOf(joints), HasSubstr("offset of joint 'LeftAnkle'"));
+  EXPECT_THAT(SkeletonError(joints), HasSubstr("offset of joint 'LeftAnkle'"));
   joints = Legs();
   joints[7].end_site_m->z() = inf;
-  EXPECT_THAT(ErrorOf(joints), HasSubstr("offset of joint 'RightAnkle'"));
-  for (const double unit : {0.0, -1.0, nan, inf}) EXPECT_THAT(ErrorOf(Legs(), {}, unit), HasSubstr("metres per unit")) << unit;
+  EXPECT_THAT(SkeletonError(joints), HasSubstr("offset of joint 'RightAnkle'"));
+  for (const double unit : {0.0, -1.0, nan, inf}) EXPECT_THAT(SkeletonError(Legs(), {}, unit), HasSubstr("metres per unit")) << unit;
 }
 
 TEST(Skeleton, RolesPointToItsJoints) {
   RoleMap roles = LegRoles();
   roles.Set(JointRole::kHead, 9);
-  EXPECT_THAT(ErrorOf(Legs(), roles), HasSubstr("role 'head'"));
+  EXPECT_THAT(SkeletonError(Legs(), roles), HasSubstr("role 'head'"));
 }
 
 }  // namespace

@@ -37,7 +37,7 @@ BvhDocument ZUp(const BvhDocument& y_up) {
   return z_up;
 }
 
-MotionClip Walk() {
+MotionClip CurvedWalk() {
   SyntheticGaitOptions options;
   options.steps = 8;
   options.turns_rad = {0.1, -0.2, 0.3};
@@ -63,7 +63,7 @@ void ExpectSameMotion(const MotionClip& one, const MotionClip& other, double tol
 class ZUpImport : public ::testing::TestWithParam<bool> {};
 
 TEST_P(ZUpImport, GivesTheSameMotionAsTheYUpFile) {
-  const BvhDocument y_up = ExportClip(Walk(), {.metres_per_unit = 0.01});
+  const BvhDocument y_up = ExportClip(CurvedWalk(), {.metres_per_unit = 0.01});
   const BvhDocument z_up = ParseBvh(WriteBvh(ZUp(y_up), {.decimals = 9}), "z_up.bvh");
   ClipImportOptions options;
   if (GetParam()) {  // told, else found
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(ToldOrFound, ZUpImport, ::testing::Bool(),
                          [](const auto& told) { return told.param ? "Told" : "Found"; });
 
 TEST(ZUp, AClipGoesOutAsItCameIn) {
-  const BvhDocument z_up = ZUp(ExportClip(Walk(), {.metres_per_unit = 0.01}));
+  const BvhDocument z_up = ZUp(ExportClip(CurvedWalk(), {.metres_per_unit = 0.01}));
   const BvhDocument again = ExportClip(ImportClip(z_up));
   ASSERT_EQ(again.nodes.size(), z_up.nodes.size());
   for (size_t j = 0; j < z_up.nodes.size(); ++j) {
