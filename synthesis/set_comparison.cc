@@ -22,7 +22,7 @@ constexpr int kDiversityPairs = 20000;
 
 using Windows = std::vector<Eigen::MatrixXd>;  // a matrix a clip
 
-int CountWindows(const Windows& clips) {
+int WindowCount(const Windows& clips) {
   Eigen::Index count = 0;
   for (const Eigen::MatrixXd& clip : clips) count += clip.cols();
   return static_cast<int>(count);
@@ -61,8 +61,8 @@ double Diversity(const Eigen::MatrixXd& windows, std::mt19937_64& rng) {
 
 SetComparison CompareWindowSets(const Windows& clips, const Windows& reference, std::uint64_t seed) {
   SetComparison comparison;
-  comparison.windows = CountWindows(clips);
-  comparison.windows_reference = CountWindows(reference);
+  comparison.windows = WindowCount(clips);
+  comparison.windows_reference = WindowCount(reference);
   for (const auto& [set, count] : {std::pair{"the clips", comparison.windows}, std::pair{"the reference", comparison.windows_reference}}) {
     if (count < kMinWindows) {
       throw std::invalid_argument("CompareSets: " + std::string(set) + " yield too few windows of half a second: " +

@@ -30,7 +30,7 @@ constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
 
 double Square(double value) { return value * value; }
 
-double AngleBetween(double a, double b) { return std::remainder(a - b, 2 * M_PI); }
+double SignedAngle(double a, double b) { return std::remainder(a - b, 2 * M_PI); }
 
 // A walk in the beam, by its last step. Walks share the steps that they have in common; those that nobody goes on with go away.
 struct Node {
@@ -86,7 +86,7 @@ class Search {
       const KeyframePlace end = kinematics_.Of(node.step)->WayOf(node.step.whitened, node.place).next;
       const Eigen::Vector2d moved = end.head<2>() - node.place.head<2>();
       const Eigen::Vector2d wanted = guide_.path->At(std::min(guide_.path->length_m(), moved.norm())) - node.place.head<2>();
-      if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += AngleBetween(HeadingOfDirection(wanted), HeadingOfDirection(moved));
+      if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += SignedAngle(HeadingOfDirection(wanted), HeadingOfDirection(moved));
     }
     SetDown(&node);
     return node;
@@ -110,7 +110,7 @@ class Search {
       const Eigen::RowVector2d left(direction.y(), -direction.x());
       const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
       add(left.dot(end - at.point_m), left * next.by_latent.topRows<2>(), guide_.path_deviation_m);
-      add(AngleBetween(next.value[kPlaceHeading], guide_.path->Heading(ahead)), next.by_latent.row(kPlaceHeading), kHeading);
+      add(SignedAngle(next.value[kPlaceHeading], guide_.path->Heading(ahead)), next.by_latent.row(kPlaceHeading), kHeading);
     }
     for (const TimedPlace& wanted : guide_.places) {
       const double still = wanted.time_s - next.value[kPlaceTime];
@@ -128,7 +128,7 @@ class Search {
     for (const TimedHeading& wanted : guide_.headings) {
       const double still = wanted.time_s - next.value[kPlaceTime];
       if (still < -duration || still > kBendAhead_s) continue;
-      add(AngleBetween(next.value[kPlaceHeading], wanted.heading_rad), next.by_latent.row(kPlaceHeading), kGoalHeading + 0.3 * std::max(0.0, still));
+      add(SignedAngle(next.value[kPlaceHeading], wanted.heading_rad), next.by_latent.row(kPlaceHeading), kGoalHeading + 0.3 * std::max(0.0, still));
     }
     if (rows.empty()) return;
     Eigen::MatrixXd by_latent(static_cast<Eigen::Index>(rows.size()), rows[0].size());
@@ -157,7 +157,7 @@ class Search {
       node.along = at.along_m;
       node.cost += (Square(at.distance_m) + Square(half.distance_m)) / Square(guide_.path_deviation_m);
       const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
-      node.cost += Square(AngleBetween(node.next[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
+      node.cost += Square(SignedAngle(node.next[kPlaceHeading], guide_.path->Heading(ahead)) / kHeading);
       const bool at_end = at.along_m >= guide_.path->length_m() - 1e-6;
       if (!at_end && node.along - before < 0.3 * (end - begin).norm()) node.cost += 4;
       if (guide_.duration_s) {
@@ -186,8 +186,8 @@ class Search {
     for (const TimedHeading& wanted : guide_.headings) {
       timed(wanted.time_s, [&](double time, double still) {
         const double t = (time - node.place[kPlaceTime]) / duration;
-        const double there = node.place[kPlaceHeading] + t * AngleBetween(node.next[kPlaceHeading], node.place[kPlaceHeading]);
-        return Square(AngleBetween(there, wanted.heading_rad) / (kGoalHeading + 0.3 * still));
+        const double there = node.place[kPlaceHeading] + t * SignedAngle(node.next[kPlaceHeading], node.place[kPlaceHeading]);
+        return Square(SignedAngle(there, wanted.heading_rad) / (kGoalHeading + 0.3 * still));
       });
     }
     for (const KeepOutTerm& area : guide_.keep_out) {
@@ -202,8 +202,8 @@ class Search {
     const Eigen::Vector2d there = node.place.head<2>() + t * (node.next.head<2>() - node.place.head<2>());
     if (guide_.goal_m) node.cost += Square((there - *guide_.goal_m).norm() / (stops() ? kStop_m : kGoal_m));
     if (guide_.goal_heading_rad) {
-      const double heading = node.place[kPlaceHeading] + t * AngleBetween(node.next[kPlaceHeading], node.place[kPlaceHeading]);
-      node.cost += Square(AngleBetween(heading, *guide_.goal_heading_rad) / kGoalHeading);
+      const double heading = node.place[kPlaceHeading] + t * SignedAngle(node.next[kPlaceHeading], node.place[kPlaceHeading]);
+      node.cost += Square(SignedAngle(heading, *guide_.goal_heading_rad) / kGoalHeading);
     }
     node.end_s = end_s;
     if (!finished_ || node.cost < finished_->cost) finished_ = std::make_shared<const Node>(std::move(node));

@@ -15,7 +15,7 @@ using Frames = std::vector<Eigen::Matrix3Xd>;
 constexpr int kJoints = 6;
 
 // A body that goes forward, its joints swinging each in its own way; joint 0 is the root.
-Frames Walk(int frames, double speed_m) {
+Frames StraightPath(int frames, double speed_m) {
   Frames walk;
   for (int f = 0; f < frames; ++f) {
     const double phase = static_cast<double>(f) / (frames - 1);
@@ -28,7 +28,7 @@ Frames Walk(int frames, double speed_m) {
   return walk;
 }
 
-Frames Moved(Frames frames, const PlanarTransform& move) {
+Frames AllMoved(Frames frames, const PlanarTransform& move) {
   for (Eigen::Matrix3Xd& pose : frames) {
     for (int j = 0; j < kJoints; ++j) pose.col(j) = (move * Eigen::Vector3d(pose.col(j))).eval();
   }
@@ -38,7 +38,7 @@ Frames Moved(Frames frames, const PlanarTransform& move) {
 const Eigen::VectorXd kEven = Eigen::VectorXd::Constant(kJoints, 1.0 / kJoints);
 
 TEST(AlignmentQuality, AMovedCopyComesBackOntoItsReference) {
-  const Frames reference = Walk(18, 0.7), test = Moved(reference, {.yaw_rad = 2, .x_m = 3, .z_m = -1});
+  const Frames reference = StraightPath(18, 0.7), test = AllMoved(reference, {.yaw_rad = 2, .x_m = 3, .z_m = -1});
   for (const AlignmentTransform transform : {AlignmentTransform::kEachFrame, AlignmentTransform::kSegment}) {
     const SegmentAlignment aligned = AlignSegment(reference, test, kEven, 0, transform);
     EXPECT_LT(PathDifference(aligned.root, FloorPath(reference, 0)), 1e-9);
@@ -49,7 +49,7 @@ TEST(AlignmentQuality, AMovedCopyComesBackOntoItsReference) {
 
 TEST(AlignmentQuality, HasAPlaceForEveryReferenceFrame) {
   for (const int frames : {12, 30}) {
-    const SegmentAlignment aligned = AlignSegment(Walk(18, 0.7), Walk(frames, 0.7), kEven, 0);
+    const SegmentAlignment aligned = AlignSegment(StraightPath(18, 0.7), StraightPath(frames, 0.7), kEven, 0);
     ASSERT_EQ(aligned.root.cols(), 18);
     EXPECT_EQ(aligned.matched.front(), 0);
     EXPECT_EQ(aligned.matched.back(), frames - 1);
@@ -67,7 +67,7 @@ TEST(AlignmentQuality, HasAPlaceForEveryReferenceFrame) {
 TEST(AlignmentQuality, NoiseOfAJointThatWeighsLittleMovesTheRootLess) {
   std::mt19937_64 rng(3);
   boost::random::normal_distribution<double> noise(0, 0.2);
-  const Frames reference = Walk(18, 0.7);
+  const Frames reference = StraightPath(18, 0.7);
   Frames test = reference;
   for (Eigen::Matrix3Xd& pose : test) {
     for (int d = 0; d < 3; ++d) pose(d, kJoints - 1) += noise(rng);
@@ -102,7 +102,7 @@ TEST(AlignmentQuality, SpeedVarianceIsThatOfTheSpeed) {
 }
 
 TEST(AlignmentQuality, RefusesARootThatIsNoJoint) {
-  EXPECT_THROW(AlignSegment(Walk(10, 1), Walk(10, 1), kEven, kJoints), std::invalid_argument);
+  EXPECT_THROW(AlignSegment(StraightPath(10, 1), StraightPath(10, 1), kEven, kJoints), std::invalid_argument);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ std::vector<std::string> Names(const std::vector<Segment>& segments) {
   return names;
 }
 
-SyntheticGaitOptions Walk() {
+SyntheticGaitOptions WholeWalk() {
   SyntheticGaitOptions options;
   options.steps = 6;
   options.stand_s = 1;
@@ -31,7 +31,7 @@ SyntheticGaitOptions Walk() {
 }
 
 TEST(Decomposition, AWholeWalkIsAStartAlternatingStepsAndAnEnd) {
-  const std::vector<Segment> segments = Cut(GenerateGait(Walk()));
+  const std::vector<Segment> segments = Cut(GenerateGait(WholeWalk()));
   EXPECT_THAT(Names(segments), ::testing::ElementsAre("left_first_start", "right_walk", "left_walk", "right_walk",
                                                       "left_walk", "right_walk", "left_end"));
   for (size_t i = 0; i < segments.size(); ++i) {
@@ -44,7 +44,7 @@ TEST(Decomposition, AWholeWalkIsAStartAlternatingStepsAndAnEnd) {
 }
 
 TEST(Decomposition, TheOtherFirstFootSwapsSides) {
-  SyntheticGaitOptions options = Walk();
+  SyntheticGaitOptions options = WholeWalk();
   options.left_first = false;
   EXPECT_THAT(Names(Cut(GenerateGait(options))),
               ::testing::ElementsAre("right_first_start", "left_walk", "right_walk", "left_walk", "right_walk",
@@ -52,7 +52,7 @@ TEST(Decomposition, TheOtherFirstFootSwapsSides) {
 }
 
 TEST(Decomposition, StepsNextToAStartAndAStopAreNotSteady) {
-  const std::vector<Segment> segments = Cut(GenerateGait(Walk()));
+  const std::vector<Segment> segments = Cut(GenerateGait(WholeWalk()));
   ASSERT_EQ(segments.size(), 7u);
   EXPECT_FALSE(segments[1].steady);
   EXPECT_TRUE(segments[3].steady);
@@ -60,7 +60,7 @@ TEST(Decomposition, StepsNextToAStartAndAStopAreNotSteady) {
 }
 
 TEST(Decomposition, ASlowFirstStepOfAClipThatBeginsInTheWalkIsAStart) {
-  SyntheticGaitOptions options = Walk();
+  SyntheticGaitOptions options = WholeWalk();
   options.steps = 10;
   SyntheticGaitTruth truth;
   const MotionClip whole = GenerateGait(options, &truth);
@@ -79,7 +79,7 @@ TEST(Decomposition, ASlowFirstStepOfAClipThatBeginsInTheWalkIsAStart) {
 }
 
 TEST(Decomposition, AStepAtFullSpeedStartsNothing) {
-  SyntheticGaitOptions options = Walk();
+  SyntheticGaitOptions options = WholeWalk();
   options.steps = 12;
   options.start_standing = options.stop_standing = false;
   for (const Segment& segment : Cut(GenerateGait(options))) {
@@ -89,7 +89,7 @@ TEST(Decomposition, AStepAtFullSpeedStartsNothing) {
 }
 
 TEST(Decomposition, SegmentsKeepTheirMarginInTheClip) {
-  SyntheticGaitOptions options = Walk();
+  SyntheticGaitOptions options = WholeWalk();
   options.start_standing = options.stop_standing = false;
   const MotionClip clip = GenerateGait(options);
   const std::vector<Segment> segments = Cut(clip);
@@ -102,7 +102,7 @@ TEST(Decomposition, SegmentsKeepTheirMarginInTheClip) {
 }
 
 TEST(Decomposition, AMissedLandingLeavesAHoleAndNoSegmentAcrossIt) {
-  const MotionClip clip = GenerateGait(Walk());
+  const MotionClip clip = GenerateGait(WholeWalk());
   std::vector<Keyframe> keyframes = DetectKeyframes(clip);
   const auto stance = std::find_if(keyframes.begin() + 4, keyframes.end(), [](const Keyframe& keyframe) {
     return keyframe.label == KeyframeLabel::kRightStance;
@@ -119,7 +119,7 @@ TEST(Decomposition, AMissedLandingLeavesAHoleAndNoSegmentAcrossIt) {
 }
 
 TEST(Decomposition, BackwardStepsAndFrozenRecordingsAreNotSteady) {
-  MotionClip clip = GenerateGait(Walk());
+  MotionClip clip = GenerateGait(WholeWalk());
   const std::vector<Keyframe> keyframes = DetectKeyframes(clip);
   // The walk run backwards in time goes backwards in space.
   MotionClip backwards = clip;
@@ -142,14 +142,14 @@ TEST(Decomposition, BackwardStepsAndFrozenRecordingsAreNotSteady) {
 }
 
 TEST(Decomposition, TakesClipsWithoutSteps) {
-  const MotionClip clip = GenerateGait(Walk());
+  const MotionClip clip = GenerateGait(WholeWalk());
   EXPECT_TRUE(Decompose(clip, 0, {}).empty());
   EXPECT_TRUE(Cut(clip.Slice(0, 1)).empty());
   EXPECT_TRUE(Cut(clip.Slice(0, 40)).empty());
 }
 
 TEST(Decomposition, RefusesKeyframesOutOfOrderOrOutside) {
-  const MotionClip clip = GenerateGait(Walk());
+  const MotionClip clip = GenerateGait(WholeWalk());
   EXPECT_THROW(Decompose(clip, 0, {{40, KeyframeLabel::kLeftStance}, {20, KeyframeLabel::kRightStance}}),
                std::invalid_argument);
   EXPECT_THROW(Decompose(clip, 0, {{1e6, KeyframeLabel::kLeftStance}}), std::invalid_argument);

@@ -2,7 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/QR>
+#include <Eigen/Cholesky>
 #include <boost/random/uniform_real_distribution.hpp>
 #include <random>
 
@@ -33,7 +33,7 @@ double AffineResidual(const Eigen::MatrixXd& coordinates, const Eigen::MatrixXd&
   Eigen::MatrixXd terms(coordinates.cols(), coordinates.rows() + 1);
   terms << coordinates.transpose(), Eigen::VectorXd::Ones(coordinates.cols());
   const Eigen::MatrixXd wanted = places.transpose();
-  const Eigen::MatrixXd residual = wanted - terms * terms.colPivHouseholderQr().solve(wanted);
+  const Eigen::MatrixXd residual = wanted - terms * (terms.transpose() * terms).llt().solve(terms.transpose() * wanted);
   const Eigen::MatrixXd centred = wanted.rowwise() - wanted.colwise().mean();
   return residual.squaredNorm() / centred.squaredNorm();
 }
