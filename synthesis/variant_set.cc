@@ -187,6 +187,12 @@ VariantSet MakeVariants(const MotionGraph& graph, const SynthesisRequest& reques
   make(0, trial);
   const bool any = std::any_of(attempts.begin(), attempts.begin() + trial, [](const Attempt& a) { return a.made.has_value(); });
   if (!any) throw UnsatisfiableRequest(*attempts.front().unmet);
+  // Told early where it is plain; near the limit it is found out on the way.
+  const double foreseen = static_cast<double>(joint_frames) * options.count / trial;
+  if (foreseen > 1.25 * static_cast<double>(options.max_joint_frames)) {
+    throw VariantsTooLarge("about " + std::to_string(static_cast<int>(options.count * static_cast<double>(options.max_joint_frames) / foreseen)) +
+                           " clips of this length can be made at a time");
+  }
   make(trial, options.count);
 
   VariantSet set;

@@ -73,7 +73,7 @@ struct VariantOptions {
 
 /// Makes the variants of a request, those that can be met, ranks and measures them. The result does not depend on the number of threads.
 ///
-/// Where none of the first 16 can be met, the rest is not tried.
+/// Where none of the first 16 can be met, or these are so long that all would be too much by far, the rest is not tried.
 /// @throws UnsatisfiableRequest of the first, when none can be met; VariantsTooLarge; VariantsCancelled; std::invalid_argument.
 VariantSet MakeVariants(const MotionGraph& graph, const SynthesisRequest& request, const VariantOptions& options);
 

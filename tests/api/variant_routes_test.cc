@@ -122,16 +122,16 @@ TEST(VariantRoutes, OthersComeToTheirTurnEvenWithOneWorker) {
   app.Start();
   std::atomic<bool> done = false;
   std::thread many([&] {
-    EXPECT_EQ(Ask(app.port, "POST", "/v1/variants", "", R"({"model":"walk","seed":1,"duration":6,"count":400})").status, 200);
+    EXPECT_EQ(Ask(app.port, "POST", "/v1/variants", "", R"({"model":"walk","seed":1,"duration":6,"count":150})").status, 200);
     done = true;
   });
   int answered = 0;
-  while (!done && answered < 200) {
+  while (!done && answered < 30) {
     EXPECT_EQ(Ask(app.port, "POST", "/v1/clips", "", R"({"model":"walk","seed":1,"steps":3})").status, 200);
     ++answered;
   }
   many.join();
-  EXPECT_GT(answered, 20);
+  EXPECT_GT(answered, 10);
 }
 
 TEST_F(VariantRoutesTest, OldClientsGetItInOnePiece) {

@@ -93,8 +93,18 @@ TEST(VariantSet, StopsWhenItIsToldTo) {
 
 TEST(VariantSet, RefusesMoreThanFitsInMemory) {
   const auto model = testing::SmallModel();
-  VariantOptions options = Of(100, 2);
-  options.max_joint_frames = 20'000;
+  std::atomic<int> tried = 0;
+  VariantOptions options = Of(40, 2);
+  options.begin = [&](int) { return ++tried > 0; };
+  options.max_joint_frames = 20'000;  // a fifth of them or so
+  EXPECT_THROW(MakeVariants(*model, SixSteps(5), options), VariantsTooLarge);
+  EXPECT_LE(tried, 16);
+  tried = 0;
+  const VariantSet all = MakeVariants(*model, SixSteps(5), Of(40, 2));
+  options.max_joint_frames = 0;
+  for (const ClipVariant& variant : all.variants) options.max_joint_frames += std::int64_t{variant.clip.frame_count()} * variant.clip.joint_count();
+  EXPECT_EQ(MakeVariants(*model, SixSteps(5), options).variants.size(), 40u);
+  --options.max_joint_frames;
   EXPECT_THROW(MakeVariants(*model, SixSteps(5), options), VariantsTooLarge);
 }
 
