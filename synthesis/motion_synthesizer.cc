@@ -133,7 +133,7 @@ std::optional<std::pair<std::string, std::string>> SynthesisRequest::FirstProble
     return Problem{"/start/position", "must be within " + Rounded(kMaxStartDistance_m) + " m of the origin"};
   }
   if (!std::isfinite(start.heading_rad)) return Problem{"/start/heading", "must be a number"};
-  return std::nullopt;
+  return control.FirstProblem();
 }
 
 SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& request, const SynthesisVariant& variant) {

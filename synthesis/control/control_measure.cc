@@ -28,8 +28,10 @@ class Measurer {
       if (control.goal->time_s) Add("/goal/time", std::abs(last / measured_.clip.frame_rate_hz() - *control.goal->time_s), kTimeTolerance_s, "s", false,
             {last / measured_.clip.frame_rate_hz()});
     } else if (control.path) {
-      Add("/path/end", (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m", false, List(measured_.RootAt(last)));
+      Add("/path/points/" + std::to_string(control.path->points_m.size() - 1), (measured_.RootAt(last) - *problem_.goal_m).norm(), control.path->tolerance_m, "m", false, List(measured_.RootAt(last)));
     }
+    if (problem_.request.duration_s && problem_.guide.to != WalkBoundary::kWalking)
+      Add("/duration", std::abs(measured_.clip.duration_s() - *problem_.request.duration_s), kTimeTolerance_s, "s", false, {measured_.clip.duration_s()});
     if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s", true);
     for (size_t i = 0; i < control.constraints.size(); ++i) {
       index_ = static_cast<int>(i);
@@ -40,6 +42,7 @@ class Measurer {
 
  private:
   static constexpr double kTimeTolerance_s = 0.1;
+  static constexpr double kBack_m = 0.3, kAhead_m = 0.3;  // of the place on a path that the frame before was nearest to
 
   using Values = std::vector<double>;
   static Values List(const Eigen::Vector2d& v) { return {v.x(), v.y()}; }
@@ -52,9 +55,16 @@ class Measurer {
     Add("/constraints/" + std::to_string(*index_), residual, tolerance, unit, is_mean, std::move(reached));
   }
 
+  // Frames go along the path as the body does: a loop or a spike that the walk left out counts as a miss, however near its ends are.
   double PathMiss() const {
     std::vector<double> distances;
-    for (int f = 0; f < measured_.clip.frame_count(); ++f) distances.push_back(problem_.guide.path->NearestTo(measured_.RootAt(f)).distance_m);
+    double along = 0;
+    for (int f = 0; f < measured_.clip.frame_count(); ++f) {
+      const double moved = f > 0 ? (measured_.RootAt(f) - measured_.RootAt(f - 1)).norm() : 0;
+      const FloorPath::Nearest nearest = problem_.guide.path->NearestTo(measured_.RootAt(f), along - kBack_m, along + kAhead_m + 2 * moved);
+      along = nearest.along_m;
+      distances.push_back(nearest.distance_m);
+    }
     const auto at = distances.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(distances.size() - 1));
     std::nth_element(distances.begin(), at, distances.end());
     return *at;
@@ -64,16 +74,20 @@ class Measurer {
     double sum = 0;
     int steps = 0;
     for (size_t k = 0; k + 1 < times_.size(); ++k) {
+      // The last step may be cut off by the clip's end.
       const int from = measured_.FrameAt(times_[k]), to = measured_.FrameAt(times_[k + 1]);
-      if (times_[k + 1] > measured_.clip.duration_s() + 1e-9 || from >= to) break;
+      if (from >= to) continue;
       const double speed = (measured_.RootAt(to) - measured_.RootAt(from)).norm() * measured_.clip.frame_rate_hz() / (to - from);
       sum += std::abs(speed - SpeedAt(term.profile, (times_[k] + times_[k + 1]) / 2));
       ++steps;
     }
-    return steps > 0 ? sum / steps : 0;
+    return steps > 0 ? sum / steps : std::numeric_limits<double>::infinity();
   }
 
-  WorldPose PoseAt(int frame) const { return ForwardKinematics(measured_.clip, frame); }
+  const WorldPose& PoseAt(int frame) {
+    if (poses_.empty()) poses_ = WorldPoses(measured_.clip);
+    return poses_[static_cast<size_t>(frame)];
+  }
 
   void Of(const PositionTerm& term) {
     const Eigen::Vector3d there = PoseAt(FrameOf(term.at, times_, measured_)).positions.col(problem_.joints[static_cast<size_t>(*index_)][0].joint);
@@ -109,11 +123,12 @@ class Measurer {
 
   void Of(const KeepOutTerm& term) {
     double deepest = 0;
+    const FloorArea area(term);
     for (int f = 0; f < measured_.clip.frame_count(); ++f) {
-      const WorldPose pose = PoseAt(f);
+      const WorldPose& pose = PoseAt(f);
       const auto look = [&](int joint) {
         const Eigen::Vector3d point = pose.positions.col(joint);
-        deepest = std::max(deepest, DepthInside(term, {point.x(), point.z()}));
+        deepest = std::max(deepest, area.Depth({point.x(), point.z()}));
       };
       look(measured_.clip.skeleton().moving_root());
       for (int side = 0; side < 2; ++side) {
@@ -128,7 +143,7 @@ class Measurer {
     double sum = 0;
     const int from = measured_.FrameAt(term.from_s), to = std::max(from, measured_.FrameAt(term.to_s));
     for (int f = from; f <= to; ++f) {
-      const WorldPose pose = PoseAt(f);
+      const WorldPose& pose = PoseAt(f);
       const Eigen::Vector3d facing = pose.rotations[static_cast<size_t>(problem_.head.joint)] * problem_.head_forward;
       const Eigen::Vector3d wanted = (term.value_m - pose.positions.col(problem_.head.joint)).normalized();
       sum += std::acos(std::clamp(facing.dot(wanted), -1.0, 1.0));
@@ -138,7 +153,7 @@ class Measurer {
 
   void Of(const PoseTerm& term) {
     const int frame = FrameOf(term.at, times_, measured_);
-    const WorldPose pose = PoseAt(frame);
+    const WorldPose& pose = PoseAt(frame);
     const Eigen::Vector2d root = measured_.RootAt(frame);
     const Eigen::AngleAxisd turn(measured_.HeadingAt(frame), Eigen::Vector3d::UnitY());
     double sum = 0;
@@ -152,6 +167,7 @@ class Measurer {
   const ControlProblem& problem_;
   const std::vector<double>& times_;
   const MeasuredClip& measured_;
+  std::vector<WorldPose> poses_;  // of all frames, once they are asked for
   std::optional<int> index_;
   std::vector<ControlOutcome> outcomes_;
 };

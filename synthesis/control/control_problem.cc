@@ -13,6 +13,8 @@ namespace {
 
 constexpr double kGuideDeviation_m = 0.3;   // of a walk that only has to come to a goal
 constexpr double kShortestGuide_m = 0.3;
+constexpr double kReach_m = 0.45;          // of hands from the root, on the floor
+constexpr double kPlaceSpacing_s = 0.2;    // between points of a line in space that the search looks at
 constexpr double kDetour_m = 0.5;           // of a guide's line around areas kept out of
 
 std::string JointNames(const Skeleton& skeleton) {
@@ -89,7 +91,7 @@ class Maker {
     const Eigen::Vector2d start = problem_.request.start.position_m;
     const double distance = (goal - start).norm();
     const Eigen::Vector2d straight = (goal - start) / distance;
-    const Eigen::Vector2d leave = problem_.guide.free_heading ? straight : DirectionOfHeading(problem_.request.start.heading_rad);
+    const Eigen::Vector2d leave = DirectionOfHeading(problem_.guide.start.heading_rad);
     const Eigen::Vector2d arrive = goal_heading ? DirectionOfHeading(*goal_heading) : straight;
     const double pull = std::max(distance, 1.5);  // a turn takes room, however near the goal is
     std::vector<Eigen::Vector2d> line;
@@ -110,9 +112,9 @@ class Maker {
       for (size_t i = 1; i + 1 < line->size(); ++i) {
         Eigen::Vector2d& point = (*line)[i];
         point = 0.5 * point + 0.25 * ((*line)[i - 1] + (*line)[i + 1]);
-        for (const KeepOutTerm& area : problem_.guide.keep_out) {
+        for (const FloorArea& area : problem_.guide.keep_out) {
           Eigen::RowVector2d gradient;
-          const double depth = DepthInside(area, point, &gradient) + kDetour_m;
+          const double depth = area.Depth(point, &gradient) + kDetour_m;
           if (depth > 0) point -= depth * gradient.transpose();
           worst = std::max(worst, depth);
         }
@@ -134,13 +136,17 @@ class Maker {
     guide.steps = request.steps;
     if (control.speed) guide.speeds = control.speed->profile;
     for (const Constraint& constraint : control.constraints) {
-      if (const auto* area = std::get_if<KeepOutTerm>(&constraint)) guide.keep_out.push_back(*area);
+      if (const auto* area = std::get_if<KeepOutTerm>(&constraint)) guide.keep_out.emplace_back(*area);
       if (const auto* heading = std::get_if<HeadingTerm>(&constraint); heading && heading->at.time_s) guide.headings.push_back({*heading->at.time_s, heading->value_rad});
       if (const auto* position = std::get_if<PositionTerm>(&constraint); position && position->at.time_s && position->use[0] && position->use[2])
-        guide.places.push_back({*position->at.time_s, {position->value_m.x(), position->value_m.z()}, 0.45});
+        guide.places.push_back({*position->at.time_s, {position->value_m.x(), position->value_m.z()}, kReach_m});
       if (const auto* trajectory = std::get_if<TrajectoryTerm>(&constraint)) {
-        for (size_t k = 0; k < trajectory->times_s.size(); ++k)
-          guide.places.push_back({trajectory->times_s[k], {trajectory->points_m[k].x(), trajectory->points_m[k].z()}, 0.45});
+        double last = -1;
+        for (size_t k = 0; k < trajectory->times_s.size(); ++k) {
+          if (trajectory->times_s[k] < last + kPlaceSpacing_s) continue;
+          last = trajectory->times_s[k];
+          guide.places.push_back({trajectory->times_s[k], {trajectory->points_m[k].x(), trajectory->points_m[k].z()}, kReach_m});
+        }
       }
     }
     if (control.path) {
@@ -154,17 +160,19 @@ class Maker {
       if (control.goal->time_s) guide.duration_s = control.goal->time_s;
     }
     guide.goal_m = problem_.goal_m;
-    if (problem_.goal_m) guide.free_heading = !request.start_given.heading && guide.from == WalkBoundary::kWalking;
+    // A heading that was not asked for is the way's; inside a walk it may give a little.
+    const bool heads_along = problem_.goal_m && !request.start_given.heading;
+    guide.free_heading = heads_along && guide.from == WalkBoundary::kWalking;
     if (control.goal && !control.path) {
       if ((control.goal->position_m - guide.start.position_m).norm() < kShortestGuide_m)
         throw UnsatisfiableRequest("/goal/position", "must be at least 0.3 m from the start");
-      if (guide.free_heading) {
+      if (heads_along) {
         const Eigen::Vector2d ahead = control.goal->position_m - guide.start.position_m;
         guide.start.heading_rad = HeadingOfDirection(ahead);
       }
       guide.path.emplace(GuideLine(control.goal->position_m, control.goal->heading_rad));
       guide.path_deviation_m = kGuideDeviation_m;
-    } else if (guide.free_heading) {
+    } else if (heads_along) {
       guide.start.heading_rad = guide.path->Heading(0);
     }
     if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = 5;
@@ -177,8 +185,9 @@ class Maker {
     for (size_t i = 0; i < constraints.size(); ++i) {
       const auto* area = std::get_if<KeepOutTerm>(&constraints[i]);
       if (!area) continue;
+      const FloorArea floor_area(*area);
       const auto check = [&](const Eigen::Vector2d& point, const std::string& what) {
-        if (const double depth = DepthInside(*area, point); depth > 0)
+        if (const double depth = floor_area.Depth(point); depth > 0)
           throw UnsatisfiableRequest("/constraints/" + std::to_string(i), what + std::to_string(depth) + " m inside");
       };
       check(problem_.guide.start.position_m, "the start lies ");
@@ -196,6 +205,8 @@ class Maker {
 }  // namespace
 
 ControlProblem MakeControlProblem(const MotionGraph& graph, const SynthesisRequest& request, int style, double frame_rate_hz) {
+  if (graph.layout().rotation_form() != RotationForm::kLogMap)
+    throw UnsatisfiableRequest("/model", "its poses are Euler angles, which cannot be steered");
   ControlProblem problem{.graph = graph, .request = request, .style = style, .frame_rate_hz = frame_rate_hz};
   Maker(&problem).Make();
   return problem;

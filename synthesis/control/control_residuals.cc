@@ -69,7 +69,8 @@ bool RadiusResidual::Evaluate(double const* const* parameters, double* residuals
   return true;
 }
 
-NextPlaceResidual::NextPlaceResidual(std::shared_ptr<const StepKinematics> step, const Eigen::Vector3d* offset) : step_(std::move(step)), offset_(offset) {
+NextPlaceResidual::NextPlaceResidual(std::shared_ptr<const StepKinematics> step, const Eigen::Vector3d* offset, double looseness)
+    : step_(std::move(step)), offset_(offset), looseness_(looseness) {
   set_num_residuals(4);
   *mutable_parameter_block_sizes() = {step_->dimension(), 4, 4};
 }
@@ -83,7 +84,7 @@ bool NextPlaceResidual::Evaluate(double const* const* parameters, double* residu
   state.value[kPlaceHeading] += (*offset_)[2];
   state.by_place(kPlaceX, kPlaceHeading) += moved.y();
   state.by_place(kPlaceZ, kPlaceHeading) -= moved.x();
-  const Eigen::Vector4d weights = kJoinDeviation.cwiseInverse();
+  const Eigen::Vector4d weights = (looseness_ * kJoinDeviation).cwiseInverse();
   Eigen::Map<Eigen::Vector4d>(residuals).array() = (next - state.value).array() * weights.array();
   if (!jacobians) return true;
   Write(-(weights.asDiagonal() * state.by_latent), jacobians[0]);
@@ -100,6 +101,17 @@ StartResidual::StartResidual(const KeyframePlace& place, const Eigen::Vector4d& 
 bool StartResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
   Eigen::Map<Eigen::Vector4d>(residuals).array() = (Eigen::Map<const Eigen::Vector4d>(parameters[0]) - place_).array() / deviation_.array();
   if (jacobians) Write(Eigen::MatrixXd(deviation_.cwiseInverse().asDiagonal()), jacobians[0]);
+  return true;
+}
+
+ArrivalResidual::ArrivalResidual(double time_s, double deviation_s) : time_s_(time_s), deviation_s_(deviation_s) {
+  set_num_residuals(1);
+  mutable_parameter_block_sizes()->push_back(4);
+}
+
+bool ArrivalResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
+  residuals[0] = (parameters[0][kPlaceTime] - time_s_) / deviation_s_;
+  if (jacobians) Write(Eigen::RowVector4d(0, 0, 0, 1 / deviation_s_), jacobians[0]);
   return true;
 }
 
@@ -222,7 +234,7 @@ StepResidual::Linear KeepOutResidual::Linearise(const Eigen::VectorXd& w, const 
     by_place = root.by_place.topRows<2>();
   }
   Eigen::RowVector2d gradient;
-  const double depth = DepthInside(area_, point, &gradient) + margin_m_;
+  const double depth = area_.Depth(point, &gradient) + margin_m_;
   if (depth <= 0) return {Eigen::VectorXd::Zero(1), Eigen::MatrixXd::Zero(1, by_latent.cols()), Eigen::RowVector4d::Zero()};
   return {Eigen::VectorXd::Constant(1, depth / deviation_m_), gradient / deviation_m_ * by_latent, gradient / deviation_m_ * by_place};
 }

@@ -6,6 +6,7 @@
 #include <memory>
 
 #include "synthesis/control/control_terms.h"
+#include "synthesis/control/floor_area.h"
 #include "synthesis/control/floor_path.h"
 #include "synthesis/control/joint_chain.h"
 #include "synthesis/control/step_kinematics.h"
@@ -51,12 +52,14 @@ class RadiusResidual : public ceres::CostFunction {
 /// A step begins where the one before it ends. `offset` is what a clip's joins add to that: (x, z) in the heading frame of the step's place, heading.
 class NextPlaceResidual : public ceres::CostFunction {
  public:
-  NextPlaceResidual(std::shared_ptr<const StepKinematics> step, const Eigen::Vector3d* offset);
+  /// @param looseness  of the joint, against a millimetre and two milliradians; small in long walks, where what is loose adds up.
+  NextPlaceResidual(std::shared_ptr<const StepKinematics> step, const Eigen::Vector3d* offset, double looseness);
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
 
  private:
   std::shared_ptr<const StepKinematics> step_;
   const Eigen::Vector3d* offset_;
+  double looseness_;
 };
 
 /// Where a walk begins: its first place, held or only likely.
@@ -68,6 +71,16 @@ class StartResidual : public ceres::CostFunction {
  private:
   KeyframePlace place_;
   Eigen::Vector4d deviation_;
+};
+
+/// When a place is come to.
+class ArrivalResidual : public ceres::CostFunction {
+ public:
+  ArrivalResidual(double time_s, double deviation_s);
+  bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const override;
+
+ private:
+  double time_s_, deviation_s_;
 };
 
 /// A residual of one step: parameters are its latent and its place.
@@ -194,7 +207,7 @@ class KeepOutResidual : public StepResidual {
  private:
   std::shared_ptr<const JointChain> chain_;
   StepMoment moment_;
-  const KeepOutTerm& area_;
+  FloorArea area_;
   double margin_m_, deviation_m_;
 };
 

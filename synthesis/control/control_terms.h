@@ -4,6 +4,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <utility>
 #include <variant>
 #include <vector>
 
@@ -121,6 +122,8 @@ struct ControlTerms {
   std::vector<Constraint> constraints;
 
   bool empty() const { return !path && !goal && !speed && constraints.empty(); }
+  /// What is wrong with their form, if anything: the field and the reason.
+  std::optional<std::pair<std::string, std::string>> FirstProblem() const;
 };
 
 /// What became of a term on the finished clip.

@@ -6,6 +6,8 @@
 namespace morphograph {
 namespace {
 
+constexpr double kFar_m = 2;
+
 // Even-odd rule.
 bool IsInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d& point) {
   bool inside = false;
@@ -18,16 +20,27 @@ bool IsInside(const std::vector<Eigen::Vector2d>& polygon, const Eigen::Vector2d
 
 }  // namespace
 
-double DepthInside(const KeepOutTerm& area, const Eigen::Vector2d& point_m, Eigen::RowVector2d* gradient) {
-  if (area.polygon_m.empty()) {
-    const Eigen::Vector2d out = point_m - area.center_m;
-    const double distance = out.norm();
-    if (gradient) *gradient = distance > 0 ? Eigen::RowVector2d(-out.transpose() / distance) : Eigen::RowVector2d(-1, 0);
-    return area.radius_m - distance;
-  }
+FloorArea::FloorArea(const KeepOutTerm& term) : term_(&term), center_m_(term.center_m), radius_m_(term.radius_m) {
+  if (term.polygon_m.empty()) return;
+  center_m_.setZero();
+  for (const Eigen::Vector2d& corner : term.polygon_m) center_m_ += corner / static_cast<double>(term.polygon_m.size());
+  radius_m_ = 0;
+  for (const Eigen::Vector2d& corner : term.polygon_m) radius_m_ = std::max(radius_m_, (corner - center_m_).norm());
+}
+
+double FloorArea::CircleDepth(const Eigen::Vector2d& point_m, Eigen::RowVector2d* gradient) const {
+  const Eigen::Vector2d out = point_m - center_m_;
+  const double distance = out.norm();
+  if (gradient) *gradient = distance > 0 ? Eigen::RowVector2d(-out.transpose() / distance) : Eigen::RowVector2d(-1, 0);
+  return radius_m_ - distance;
+}
+
+double FloorArea::Depth(const Eigen::Vector2d& point_m, Eigen::RowVector2d* gradient) const {
+  const double of_circle = CircleDepth(point_m, gradient);
+  if (term_->polygon_m.empty() || of_circle < -kFar_m) return of_circle;
   double nearest = std::numeric_limits<double>::infinity();
   Eigen::Vector2d foot = Eigen::Vector2d::Zero(), normal = Eigen::Vector2d::UnitX();
-  const auto& polygon = area.polygon_m;
+  const auto& polygon = term_->polygon_m;
   for (size_t i = 0, j = polygon.size() - 1; i < polygon.size(); j = i++) {
     const Eigen::Vector2d edge = polygon[i] - polygon[j];
     const double length2 = edge.squaredNorm();

@@ -9,15 +9,22 @@
 namespace morphograph {
 namespace {
 
+constexpr int kSweeps = 4;
+
 class Goals {
  public:
   Goals(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, MotionClip* clip)
-      : problem_(problem), times_(keyframe_times_s), clip_(*clip) {}
+      : problem_(problem), times_(keyframe_times_s), before_(*clip), clip_(*clip) {}
 
   void Apply() {
     const auto& constraints = problem_.request.control.constraints;
-    for (size_t i = 0; i < constraints.size(); ++i) {
-      std::visit([&](const auto& term) { Of(term, problem_.joints[i]); }, constraints[i]);
+    // What one goal does eases into the frames of the next: once more, so that neither order nor nearness decides.
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      for (size_t i = 0; i < constraints.size(); ++i) {
+        std::visit([&](const auto& term) { Of(term, problem_.joints[i]); }, constraints[i]);
+      }
+      if (goals_ <= 1) break;
+      goals_ = 0;
     }
   }
 
@@ -25,8 +32,13 @@ class Goals {
   int Frame(const ControlMoment& at) const { return FrameOf(at, times_, {clip_, {}}); }
   int Frame(double time_s) const { return MeasuredClip{clip_, {}}.FrameAt(time_s); }
 
+  void Apply(const PoseGoal& goal) {
+    ApplyPoseGoal(goal, before_, &clip_);
+    ++goals_;
+  }
+
   void Point(const ResolvedJoint& joint, int frame, const std::function<Eigen::Vector3d(int, const WorldPose&)>& position) {
-    if (joint.finishes) ApplyPoseGoal({joint.joint, frame, frame, position, nullptr}, &clip_);
+    if (joint.finishes) Apply({joint.joint, frame, frame, position, nullptr});
   }
 
   void Of(const PositionTerm& term, const std::vector<ResolvedJoint>& joints) {
@@ -50,7 +62,7 @@ class Goals {
       const double t = std::clamp((time - term.times_s[k]) / (term.times_s[k + 1] - term.times_s[k]), 0.0, 1.0);
       return term.points_m[k] + t * (term.points_m[k + 1] - term.points_m[k]);
     };
-    ApplyPoseGoal({joints[0].joint, Frame(term.times_s.front()), Frame(term.times_s.back()), along, nullptr}, &clip_);
+    Apply({joints[0].joint, Frame(term.times_s.front()), Frame(term.times_s.back()), along, nullptr});
   }
 
   void Of(const PoseTerm& term, const std::vector<ResolvedJoint>& joints) {
@@ -69,7 +81,7 @@ class Goals {
     const auto turn = [&](int, const WorldPose& pose) {
       return LogMap(term.value * pose.rotations[static_cast<size_t>(joints[0].joint)].conjugate());
     };
-    ApplyPoseGoal({joints[0].joint, frame, frame, nullptr, turn}, &clip_);
+    Apply({joints[0].joint, frame, frame, nullptr, turn});
   }
 
   void Of(const LookAtTerm& term, const std::vector<ResolvedJoint>&) {
@@ -79,7 +91,7 @@ class Goals {
       const Eigen::Vector3d wanted = (term.value_m - pose.positions.col(problem_.head.joint)).normalized();
       return LogMap(Eigen::Quaterniond::FromTwoVectors(facing, wanted));
     };
-    ApplyPoseGoal({problem_.head.joint, Frame(term.from_s), Frame(term.to_s), nullptr, turn}, &clip_);
+    Apply({problem_.head.joint, Frame(term.from_s), Frame(term.to_s), nullptr, turn});
   }
 
   void Of(const HeadingTerm&, const std::vector<ResolvedJoint>&) {}
@@ -88,7 +100,9 @@ class Goals {
 
   const ControlProblem& problem_;
   const std::vector<double>& times_;
+  const MotionClip before_;
   MotionClip& clip_;
+  int goals_ = 0;  // of a sweep
 };
 
 }  // namespace

@@ -10,6 +10,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kIterations = 20;
+constexpr double kStuck = 0.999;  // part of a miss that an iteration leaves at most, or it is out of reach
 constexpr double kLargestStep_rad = 0.25;  // of an iteration
 constexpr double kClose_m = 2e-4, kClose_rad = 1e-3;
 constexpr double kEaseIn_s = 0.25, kEaseSpeed_rad_s = 2.5, kLongestEase_s = 0.9;
@@ -33,8 +34,9 @@ using Turns = std::vector<Eigen::Vector3d>;  // of each link, in its joint's own
 
 class FrameSolver {
  public:
-  FrameSolver(const MotionClip& clip, int frame, const PoseGoal& goal, const LimbChain& chain)
+  FrameSolver(const MotionClip& before, const MotionClip& clip, int frame, const PoseGoal& goal, const LimbChain& chain)
       : skeleton_(clip.skeleton()), root_(clip.root_positions().col(frame)), goal_(goal), chain_(chain), frame_(frame) {
+    free_.assign(before.rotations(frame), before.rotations(frame) + before.joint_count());
     original_.assign(clip.rotations(frame), clip.rotations(frame) + clip.joint_count());
     rotations_ = original_;
     ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
@@ -42,9 +44,11 @@ class FrameSolver {
   }
 
   Turns Solve() {
+    double before = 0;
     for (int i = 0; i < kIterations; ++i) {
       const Eigen::Vector3d miss = goal_.position ? Eigen::Vector3d(target_ - pose_.positions.col(goal_.joint)) : goal_.turn(frame_, pose_);
-      if (miss.norm() < (goal_.position ? kClose_m : kClose_rad)) break;
+      if (miss.norm() < (goal_.position ? kClose_m : kClose_rad) || (i > 2 && miss.norm() > kStuck * before)) break;
+      before = miss.norm();
       Step(miss);
     }
     Turns turns;
@@ -114,8 +118,8 @@ class FrameSolver {
     }
     const Eigen::Quaterniond parent = pose_.rotations[static_cast<size_t>(skeleton_.parent(link.joint))];
     Eigen::Quaterniond turned = (ExpMap(parent.conjugate() * world) * rotations_[j]).normalized();
-    Eigen::Vector3d all = LogMap(original_[j].conjugate() * turned);
-    if (all.norm() > link.limit_rad) turned = original_[j] * ExpMap(all * (link.limit_rad / all.norm()));
+    const Eigen::Vector3d all = LogMap(free_[j].conjugate() * turned);
+    if (all.norm() > link.limit_rad) turned = free_[j] * ExpMap(all * (link.limit_rad / all.norm()));
     rotations_[j] = turned;
   }
 
@@ -125,7 +129,7 @@ class FrameSolver {
   const LimbChain& chain_;
   int frame_;
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
-  std::vector<Eigen::Quaterniond> original_, rotations_;
+  std::vector<Eigen::Quaterniond> free_, original_, rotations_;  // before any goal, before this one, now
   WorldPose pose_;
 };
 
@@ -161,26 +165,30 @@ LimbChain::LimbChain(const Skeleton& skeleton, int joint) {
   links_ = std::move(links);
 }
 
-void ApplyPoseGoal(const PoseGoal& goal, MotionClip* clip) {
+void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip) {
   const LimbChain chain(clip->skeleton(), goal.joint);
   if (chain.empty() || clip->frame_count() == 0) return;
   const int frames = clip->frame_count();
   const int first = std::clamp(goal.first_frame, 0, frames - 1), last = std::clamp(goal.last_frame, first, frames - 1);
   std::vector<Turns> turns;
-  for (int f = first; f <= last; ++f) turns.push_back(FrameSolver(*clip, f, goal, chain).Solve());
+  for (int f = first; f <= last; ++f) turns.push_back(FrameSolver(before, *clip, f, goal, chain).Solve());
   const auto ease_frames = [&](const Turns& at) {
     double largest = 0;
     for (const Eigen::Vector3d& turn : at) largest = std::max(largest, turn.norm());
     return std::min(kLongestEase_s, kEaseIn_s + largest / kEaseSpeed_rad_s) * clip->frame_rate_hz();
   };
-  const double before = ease_frames(turns.front()), after = ease_frames(turns.back());
+  const double ease_in = ease_frames(turns.front()), ease_out = ease_frames(turns.back());
   for (int f = 0; f < frames; ++f) {
-    const double part = f < first ? SmoothStep(1 - (first - f) / before) : f > last ? SmoothStep(1 - (f - last) / after) : 1;
+    const double part = f < first ? SmoothStep(1 - (first - f) / ease_in) : f > last ? SmoothStep(1 - (f - last) / ease_out) : 1;
     if (part <= 0) continue;
     const Turns& at = turns[static_cast<size_t>(std::clamp(f, first, last) - first)];
     for (size_t k = 0; k < at.size(); ++k) {
       Eigen::Quaterniond& rotation = clip->rotation(f, chain.links()[k].joint);
       rotation = (rotation * ExpMap(part * at[k])).normalized();
+      // Eased turns of several goals may add up.
+      const Eigen::Quaterniond& free = before.rotation(f, chain.links()[k].joint);
+      const Eigen::Vector3d all = LogMap(free.conjugate() * rotation);
+      if (const double limit = chain.links()[k].limit_rad; all.norm() > limit) rotation = free * ExpMap(all * (limit / all.norm()));
     }
   }
 }

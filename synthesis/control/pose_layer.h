@@ -42,6 +42,7 @@ class LimbChain {
 
 /// Turns the joints of arms or head, no more than it takes (damped least squares) and within what they can, so that a goal is met in each frame
 /// of its span; eases in and out over a time that grows with the turn. What is out of reach stays missed.
-void ApplyPoseGoal(const PoseGoal& goal, MotionClip* clip);
+/// @param before  the clip before any goal: limits are of the turns away from that, however many goals a limb has.
+void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip);
 
 }  // namespace morphograph

@@ -38,13 +38,13 @@ std::string Reached(const ControlOutcome& outcome) {
 }
 
 std::string Why(const ControlOutcome& outcome) {
-  if (!std::isfinite(outcome.residual)) return "no walk found puts the foot down so often";
+  if (!std::isfinite(outcome.residual)) return "no walk found does it so often, or for so long";
   return "the nearest walk found misses it by " + Quantity(outcome.residual, outcome.unit) + Reached(outcome) + "; its tolerance is " +
          Quantity(outcome.tolerance, outcome.unit);
 }
 
 // Moments past a clip's end cannot be met, and must not be taken for its last frame.
-void CheckMoments(const ControlProblem& problem, const WalkPlan& plan) {
+std::vector<UnmetField> MomentsPastTheEnd(const ControlProblem& problem, const WalkPlan& plan) {
   const double end_s = (plan.frames - 0.5) / problem.frame_rate_hz;
   // Steps past the end are there for the last cross-fade only; a clip of whole steps ends within a frame after the last.
   const double all_s = plan.frames / problem.frame_rate_hz;
@@ -74,13 +74,18 @@ void CheckMoments(const ControlProblem& problem, const WalkPlan& plan) {
         },
         constraints[i]);
   }
-  if (!unmet.empty()) throw UnsatisfiableRequest(std::move(unmet));
+  return unmet;
+}
+
+// Residual in tolerances; areas, which have none, in centimetres.
+double InTolerances(const ControlOutcome& outcome) {
+  return std::min(1e3, outcome.tolerance > 0 ? outcome.residual / outcome.tolerance : 100 * outcome.residual);
 }
 
 double Misses(const SteeredWalk& walk) {
   double misses = 0;
   for (const ControlOutcome& outcome : walk.outcomes) {
-    if (!outcome.met) misses += 1 + std::min(1e3, outcome.tolerance > 0 ? outcome.residual / outcome.tolerance : 100 * outcome.residual) / 1e4;
+    if (!outcome.met) misses += 1 + InTolerances(outcome) / 1e4;
   }
   return misses;
 }
@@ -106,20 +111,25 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   const std::vector<TimedPlace> asked = problem.guide.places;
   KinematicsCache kinematics(graph);
   SteeredWalk best;
+  std::vector<UnmetField> too_short;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     const WalkPlan plan = PlanWalk(graph, problem.guide, attempt + 1, &kinematics, rng);
-    CheckMoments(problem, plan);
+    if (std::vector<UnmetField> past = MomentsPastTheEnd(problem, plan); !past.empty()) {
+      too_short = std::move(past);  // another walk may take longer
+      continue;
+    }
     SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics);
     if (walk.all_met()) return walk;
     problem.guide.places = asked;
     for (const TimedPlace& place : FootstepPlaces(problem, walk)) problem.guide.places.push_back(place);
-    if (attempt == 0 || Misses(walk) < Misses(best)) best = std::move(walk);
+    if (best.outcomes.empty() || Misses(walk) < Misses(best)) best = std::move(walk);
   }
+  if (best.outcomes.empty()) throw UnsatisfiableRequest(std::move(too_short));
+  // The worst first: what cannot be had drags others along.
+  std::erase_if(best.outcomes, [](const ControlOutcome& outcome) { return outcome.met; });
+  std::stable_sort(best.outcomes.begin(), best.outcomes.end(), [](const ControlOutcome& a, const ControlOutcome& b) { return InTolerances(a) > InTolerances(b); });
   std::vector<UnmetField> unmet;
-  for (const ControlOutcome& outcome : best.outcomes) {
-    if (outcome.met) continue;
-    unmet.push_back({outcome.pointer, Why(outcome)});
-  }
+  for (const ControlOutcome& outcome : best.outcomes) unmet.push_back({outcome.pointer, Why(outcome)});
   throw UnsatisfiableRequest(std::move(unmet));
 }
 

@@ -21,12 +21,14 @@ namespace {
 
 constexpr int kRounds = 4;
 constexpr int kFirstIterations = 8, kLaterIterations = 4;
+constexpr double kShortWalk = 20;  // steps; in longer ones what joins leave loose would add up
+constexpr double kArrival_s = 0.01;
 constexpr double kFree = std::numeric_limits<double>::infinity();
 // Part of its tolerance that a term may deviate by; less tightly where it is held over many frames, by a body that sways.
 constexpr double kTight = 0.1, kMean = 0.4, kSternest = 0.15;
 // Parts of the tolerances within which nothing more is done; for means over a whole clip, which another round hardly changes, and the rest.
 constexpr double kEnoughOnTheWhole = 0.9, kEnough = 0.5;
-constexpr double kProgress = 0.95;        // of the largest residual, from round to round; more is none
+constexpr double kHelps = 0.5, kProgress = 0.95;        // of the largest residual, from round to round; more is none
 constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
 constexpr double kReachSpare_m = 0.02;     // past what an arm did not reach
 constexpr bool kAllAxes[3] = {true, true, true};
@@ -93,16 +95,20 @@ class Optimizer {
   SteeredWalk Run() {
     SteeredWalk best;
     double least = kFree;
-    for (int round = 0; round < kRounds; ++round) {
-      Solve(round == 0 ? kFirstIterations : kLaterIterations);
+    const int rounds = kRounds + static_cast<int>(steps_.size()) / 40;
+    for (int round = 0; round < rounds; ++round) {
+      // Long walks bend farther before they are where they should be.
+      Solve((round == 0 ? kFirstIterations : kLaterIterations) + static_cast<int>(steps_.size()) / 10);
       MakeClip();
       const double worst = WorstMiss(), before = least;
-      if (round == 0 || worst < least) {
+      if (round == 0 || Unmet(result_) < Unmet(best) || (Unmet(result_) == Unmet(best) && worst < least)) {
         least = worst;
         best = result_;
       }
-      const bool tightened = Tighten();
-      if (least <= 1 || (round > 0 && !tightened && worst > kProgress * before)) break;
+      // While rounds still help by themselves, and in long walks at first, what is missing is only that clips are not what the steps alone say.
+      const bool helps = round == 0 ? steps_.size() > 2 * kShortWalk : worst < kHelps * before;
+      const bool tightened = !helps && Tighten();
+      if (least <= 1 || (round > 0 && !helps && !tightened && worst > kProgress * before)) break;
       TakeOverPlaces();
     }
     return best;
@@ -210,13 +216,14 @@ class Optimizer {
     problem->AddResidualBlock(new FirstStepResidual(first_, WithinWalkOf(graph_, steps_[0]).scale), nullptr, latents_[0].data());
     const double heading = problem_.guide.free_heading ? kFreeHeading_rad : 1e-4;
     problem->AddResidualBlock(new StartResidual(places_[0], {1e-4, 1e-4, heading, 1e-4}), nullptr, places_[0].data());
+    const double looseness = std::min(1.0, kShortWalk / static_cast<double>(steps_.size()));
     for (size_t k = 0; k < steps_.size(); ++k) {
       if (const double radius = graph_.primitive(steps_[k].primitive).latent_radius; radius > 0) {
         const int dimension = static_cast<int>(latents_[k].size());
         problem->AddResidualBlock(new RadiusResidual(dimension, std::max(radius, steps_[k].whitened.norm()), kRadius * radius), nullptr, latents_[k].data());
       }
       if (k > 0) problem->AddResidualBlock(new InnovationResidual(innovations_[k - 1], drawn_[k - 1]), nullptr, latents_[k - 1].data(), latents_[k].data());
-      problem->AddResidualBlock(new NextPlaceResidual(kinematics_[k], &joins_[k]), nullptr, latents_[k].data(), places_[k].data(), places_[k + 1].data());
+      problem->AddResidualBlock(new NextPlaceResidual(kinematics_[k], &joins_[k], looseness), nullptr, latents_[k].data(), places_[k].data(), places_[k + 1].data());
     }
   }
 
@@ -242,6 +249,12 @@ class Optimizer {
         deviation[2] = kTight * control.goal->heading_tolerance_rad;
       }
       AddRoot(problem, at, {problem_.goal_m->x(), problem_.goal_m->y(), heading}, deviation);
+    }
+    if (stops() && problem_.guide.duration_s) {
+      // Where a walk stops, its last step's margin is the end.
+      const StepShape shape = graph_.primitive(steps_.back().primitive).Shape(steps_.back().latent);
+      const double margin = has_clip() ? (frames_ - 1) / rate() - places_.back()[kPlaceTime] : MarginAfter(shape) * shape.duration_s;
+      problem->AddResidualBlock(new ArrivalResidual(*problem_.guide.duration_s - margin, kArrival_s), nullptr, places_.back().data());
     }
     if (control.speed) {
       for (size_t k = 0; k < steps_.size() && places_[k + 1][kPlaceTime] <= end + 1e-9; ++k) {
@@ -269,7 +282,11 @@ class Optimizer {
       if (missing.norm() > kEnough * tolerance_m) {
         const Eigen::Vector3d base = *MeasuredJoint(at.frame, joint.base);
         const ResolvedJoint limb{joint.base, joint.base_chain};
-        return AddJoint(problem, at, limb, base + missing + kReachSpare_m * missing.normalized(), Eigen::Vector3d::Constant(kTight * kLoosePoint_m), base);
+        Eigen::Vector3d near = Eigen::Vector3d::Constant(kTight * kLoosePoint_m);
+        for (int axis = 0; axis < 3; ++axis) {
+          if (!use[axis]) near[axis] = kFree;
+        }
+        return AddJoint(problem, at, limb, base + missing + kReachSpare_m * missing.normalized(), near, base);
       }
     }
     for (int axis = 0; axis < 3; ++axis) {
@@ -313,8 +330,9 @@ class Optimizer {
   }
 
   void AddTerm(ceres::Problem* problem, const KeepOutTerm& term, const std::vector<ResolvedJoint>&) {
+    const FloorArea area(term);
     for (size_t k = 0; k < steps_.size() && places_[k][kPlaceTime] <= EndTime(); ++k) {
-      if (DepthInside(term, places_[k].head<2>()) < -kAreaReach_m && DepthInside(term, places_[k + 1].head<2>()) < -kAreaReach_m) continue;
+      if (area.Depth(places_[k].head<2>()) < -kAreaReach_m && area.Depth(places_[k + 1].head<2>()) < -kAreaReach_m) continue;
       for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
         const auto add = [&](const ResolvedJoint* joint) {
           Add(problem, new KeepOutResidual(kinematics_[k], joint ? joint->chain : nullptr, {false, phase}, term, joint ? kFootMargin_m : 0.02, 0.005), k);
@@ -360,7 +378,7 @@ class Optimizer {
     options.max_num_iterations = iterations;
     options.function_tolerance = 1e-3;
     options.trust_region_strategy_type = ceres::DOGLEG;  // shortens steps for which the places of key frames are too stiff
-    options.initial_trust_region_radius = 300;
+    options.initial_trust_region_radius = 300 * std::max(1.0, std::pow(static_cast<double>(steps_.size()) / kShortWalk, 1.5));
     options.num_threads = 1;
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
@@ -401,7 +419,7 @@ class Optimizer {
     if (const auto keyframe = LastKeyframe()) {
       const DrawnStep& last = result_.walk.steps[*keyframe - 1];
       const double margin = stops() ? MarginAfter(last.shape) * (last.end - last.start) : 0;
-      frames_ = static_cast<int>(std::floor(last.end + margin)) + 1;
+      frames_ = std::max(2, static_cast<int>(std::floor(last.end + margin)) + 1);
     }
     result_.walk.frames = frames_;
     if (problem_.guide.free_heading) result_.start.heading_rad = places_[0][kPlaceHeading];
@@ -412,6 +430,10 @@ class Optimizer {
     ApplyPoseGoals(problem_, result_.keyframe_times_s, &result_.clip);
     result_.evaluation = EvaluateClip(result_.clip);
     result_.outcomes = MeasureControls(problem_, result_.keyframe_times_s, {result_.clip, result_.evaluation.contacts});
+  }
+
+  static std::ptrdiff_t Unmet(const SteeredWalk& walk) {
+    return std::count_if(walk.outcomes.begin(), walk.outcomes.end(), [](const ControlOutcome& outcome) { return !outcome.met; });
   }
 
   // The largest residual, in parts of what is enough.

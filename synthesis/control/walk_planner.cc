@@ -24,11 +24,16 @@ constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its l
 constexpr double kHeading = 0.3, kGoal_m = 0.15, kGoalHeading = 0.15, kSpeed_m_s = 0.1, kProgress_m = 0.25, kPlace_m = 0.1, kEndTime_s = 0.1;
 constexpr double kStop_m = 0.05;  // of where a walk stops: steps into a standstill vary little, and one too many or too few is half a metre
 constexpr double kBendAhead_s = 2.5;  // steps are bent to what is asked within this time
+constexpr double kBack_m = 0.2;   // that a way may lead back along a path
+constexpr size_t kMostRows = 24;  // that a step is bent by
 constexpr double kAhead_m = 0.2;  // where the path leads there is where the body should turn to
 constexpr double kClearance_m = 0.3;  // of the root from areas kept out of: feet and sway need room
 constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
 
 double Square(double value) { return value * value; }
+
+// How far along a path a way of that length may lead: it may cut a bend, but not leave one out.
+double Farthest(double moved_m) { return 1.3 * moved_m + 0.2; }
 
 double SignedAngle(double a, double b) { return std::remainder(a - b, 2 * M_PI); }
 
@@ -60,11 +65,19 @@ class Search {
       Keep(&next);
       beam = std::move(next);
     }
-    if (!finished_) throw UnsatisfiableRequest(stops() ? "/end" : "/style", "no walk of this model begins, goes on and ends as asked");
+    if (!finished_) Fail();
     return Plan(finished_);
   }
 
  private:
+  [[noreturn]] void Fail() const {
+    if (stops() && guide_.steps) throw UnsatisfiableRequest("/steps", "no walk of " + std::to_string(*guide_.steps) + " steps begins and ends as asked");
+    if (stops()) throw UnsatisfiableRequest("/end", "no walk found comes to such an end");
+    if (guide_.path && !guide_.steps && !guide_.duration_s)
+      throw UnsatisfiableRequest("/path", "its end was not reached; walks have at most " + std::to_string(kMaxSteps) + " steps");
+    throw UnsatisfiableRequest("/style", "no walk of this model begins and goes on as asked");
+  }
+
   bool stops() const { return guide_.to != WalkBoundary::kWalking; }
 
   int StepLimit() const {
@@ -105,7 +118,7 @@ class Search {
       rows.push_back(row / deviation);
     };
     if (guide_.path) {
-      const FloorPath::Nearest at = guide_.path->NearestTo(end, node->along - 0.2, node->along + 2);
+      const FloorPath::Nearest at = guide_.path->NearestTo(end, node->along - kBack_m, node->along + Farthest((end - node->place.head<2>()).norm()));
       const Eigen::Vector2d direction = guide_.path->Direction(at.along_m);
       const Eigen::RowVector2d left(direction.y(), -direction.x());
       const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
@@ -114,7 +127,7 @@ class Search {
     }
     for (const TimedPlace& wanted : guide_.places) {
       const double still = wanted.time_s - next.value[kPlaceTime];
-      if (still < -duration || still > kBendAhead_s) continue;
+      if (still < -duration || still > kBendAhead_s || rows.size() >= kMostRows) continue;
       // Where the walk would be by then; a turn of the body turns all of the way that is left.
       const Eigen::Vector2d left = std::max(0.0, still) / duration * (end - node->place.head<2>());
       const Eigen::Vector2d miss = end + left - wanted.position_m;
@@ -127,7 +140,7 @@ class Search {
     }
     for (const TimedHeading& wanted : guide_.headings) {
       const double still = wanted.time_s - next.value[kPlaceTime];
-      if (still < -duration || still > kBendAhead_s) continue;
+      if (still < -duration || still > kBendAhead_s || rows.size() >= kMostRows) continue;
       add(SignedAngle(next.value[kPlaceHeading], wanted.heading_rad), next.by_latent.row(kPlaceHeading), kGoalHeading + 0.3 * std::max(0.0, still));
     }
     if (rows.empty()) return;
@@ -152,8 +165,9 @@ class Search {
     const Eigen::Vector2d velocity = (end - begin) / duration;
     const double before = node.along;
     if (guide_.path) {
-      const FloorPath::Nearest at = guide_.path->NearestTo(end, before - 0.2, before + 2);
-      const FloorPath::Nearest half = guide_.path->NearestTo(middle, before - 0.2, before + 2);
+      const double farthest = before + Farthest((end - begin).norm());
+      const FloorPath::Nearest at = guide_.path->NearestTo(end, before - kBack_m, farthest);
+      const FloorPath::Nearest half = guide_.path->NearestTo(middle, before - kBack_m, farthest);
       node.along = at.along_m;
       node.cost += (Square(at.distance_m) + Square(half.distance_m)) / Square(guide_.path_deviation_m);
       const double ahead = std::min(guide_.path->length_m(), at.along_m + kAhead_m);
@@ -190,9 +204,9 @@ class Search {
         return Square(SignedAngle(there, wanted.heading_rad) / (kGoalHeading + 0.3 * still));
       });
     }
-    for (const KeepOutTerm& area : guide_.keep_out) {
-      for (const Eigen::Vector2d& point : {middle, end}) node.cost += Square(std::max(0.0, DepthInside(area, point) + kClearance_m) / 0.1);
-      node.estimate += Square(std::max(0.0, DepthInside(area, end + 0.6 * velocity) + kClearance_m) / 0.2);
+    for (const FloorArea& area : guide_.keep_out) {
+      for (const Eigen::Vector2d& point : {middle, end}) node.cost += Square(std::max(0.0, area.Depth(point) + kClearance_m) / 0.1);
+      node.estimate += Square(std::max(0.0, area.Depth(end + 0.6 * velocity) + kClearance_m) / 0.2);
     }
   }
 
@@ -293,7 +307,9 @@ class Search {
     }
     WalkPlan plan;
     // Steps that were asked for are not begun anew; walks that stop last until their margin is over; others end at the frame nearest to the moment.
-    plan.frames = 1 + std::max(1, static_cast<int>(stops() || guide_.steps ? std::floor(end_s * guide_.frame_rate_hz) : std::lround(end_s * guide_.frame_rate_hz)));
+    const double frames = end_s * guide_.frame_rate_hz;
+    const bool floors = stops() || guide_.steps || guide_.duration_s;  // as of walks that are not steered
+    plan.frames = 1 + std::max(1, static_cast<int>(floors ? std::floor(frames + 1e-9) : std::lround(frames)));
     plan.places.push_back(walk->next);
     plan.along_m.push_back(walk->along);
     for (const Node* node = walk.get(); node; node = node->before.get()) {

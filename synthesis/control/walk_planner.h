@@ -4,6 +4,7 @@
 #include <random>
 #include <vector>
 
+#include "synthesis/control/floor_area.h"
 #include "synthesis/control/floor_path.h"
 #include "synthesis/control/step_kinematics.h"
 #include "synthesis/graph_walk.h"
@@ -39,7 +40,7 @@ struct WalkGuide {
   std::vector<SpeedTerm::Knot> speeds;
   std::vector<TimedPlace> places;
   std::vector<TimedHeading> headings;
-  std::vector<KeepOutTerm> keep_out;
+  std::vector<FloorArea> keep_out;
 };
 
 /// A legal walk over the graph, set down on the floor.

@@ -86,14 +86,16 @@ TEST_F(ControlResidual, Radius) {
 }
 
 TEST_F(ControlResidual, NextPlace) {
+  Check(ArrivalResidual(3, 0.01), {place_});
   const KeyframePlace next = steps_[0]->Next(w(0), place_).value;
-  Check(NextPlaceResidual(steps_[0], &offset_), {w(0), place_, next});
+  Check(NextPlaceResidual(steps_[0], &offset_, 0.5), {w(0), place_, next});
 }
 
 TEST_F(ControlResidual, PathAtPhaseAndTime) {
-  const FloorPath path({{0, -3}, {1.5, 2}});
-  CheckOfStep(PathResidual(steps_[0], {false, 0.5}, path, 0, path.length_m(), 0.03));
-  CheckOfStep(PathResidual(steps_[0], {true, 0.6}, path, 0, path.length_m(), 0.03));
+  for (const FloorPath& path : {FloorPath({{0, -3}, {1.5, 2}}), FloorPath({{3, -0.5}, {0.9, -0.5}, {3, 0.5}})}) {
+    CheckOfStep(PathResidual(steps_[0], {false, 0.5}, path, 0, path.length_m(), 0.03));
+    CheckOfStep(PathResidual(steps_[0], {true, 0.6}, path, 0, path.length_m(), 0.03));
+  }
 }
 
 TEST_F(ControlResidual, Root) {

@@ -38,7 +38,7 @@ TEST(PoseLayer, ReachesAPointAndLeavesTheRestAlone) {
   MotionClip clip = Walk();
   const int wrist = Joint(JointRole::kRightWrist), frame = 60;
   const Eigen::Vector3d target = ForwardKinematics(clip, frame).positions.col(wrist) + Eigen::Vector3d(0.05, 0.25, 0.05);
-  ApplyPoseGoal({wrist, frame, frame, [&](int, const WorldPose&) { return target; }, nullptr}, &clip);
+  ApplyPoseGoal({wrist, frame, frame, [&](int, const WorldPose&) { return target; }, nullptr}, Walk(), &clip);
   EXPECT_LT((ForwardKinematics(clip, frame).positions.col(wrist) - target).norm(), 1e-3);
   EXPECT_EQ(clip.root_positions(), Walk().root_positions());
   double fastest = 0, fastest_before = 0;
@@ -61,7 +61,7 @@ TEST(PoseLayer, DoesWhatItCanForAPointOutOfReach) {
   MotionClip clip = Walk();
   const int wrist = Joint(JointRole::kLeftWrist), shoulder = Joint(JointRole::kLeftShoulder), frame = 60;
   const Eigen::Vector3d target = ForwardKinematics(clip, frame).positions.col(shoulder) + Eigen::Vector3d(0, -0.3, 3);
-  ApplyPoseGoal({wrist, frame, frame, [&](int, const WorldPose&) { return target; }, nullptr}, &clip);
+  ApplyPoseGoal({wrist, frame, frame, [&](int, const WorldPose&) { return target; }, nullptr}, Walk(), &clip);
   const WorldPose pose = ForwardKinematics(clip, frame);
   EXPECT_LT((pose.positions.col(wrist) - target).norm(), (ForwardKinematics(Walk(), frame).positions.col(wrist) - target).norm() - 0.1);
   EXPECT_GT(ElbowFlexion(pose, JointRole::kLeftShoulder, JointRole::kLeftElbow, JointRole::kLeftWrist), 0.05);
@@ -72,7 +72,7 @@ TEST(PoseLayer, TurnsTheHeadForASpan) {
   MotionClip clip = Walk();
   const int head = Joint(JointRole::kHead);
   const Eigen::Quaterniond wanted = Eigen::AngleAxisd(0.5, Eigen::Vector3d::UnitY()) * ForwardKinematics(clip, 45).rotations[static_cast<size_t>(head)];
-  ApplyPoseGoal({head, 40, 60, nullptr, [&](int, const WorldPose& pose) { return LogMap(wanted * pose.rotations[static_cast<size_t>(head)].conjugate()); }}, &clip);
+  ApplyPoseGoal({head, 40, 60, nullptr, [&](int, const WorldPose& pose) { return LogMap(wanted * pose.rotations[static_cast<size_t>(head)].conjugate()); }}, Walk(), &clip);
   for (int f = 40; f <= 60; ++f) EXPECT_LT(ForwardKinematics(clip, f).rotations[static_cast<size_t>(head)].angularDistance(wanted), 0.01);
 }
 
