@@ -9,6 +9,7 @@
 #include <random>
 #include <set>
 
+#include "api/study/study_steps.h"
 #include "datasets/errors.h"
 #include "datasets/parallel_for.h"
 #include "graph/gaussian_process.h"
