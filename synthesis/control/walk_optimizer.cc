@@ -10,7 +10,7 @@
 #include <limits>
 #include <list>
 
-#include "synthesis/control/control_residuals.h"
+#include "synthesis/control/residuals/control_residuals.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/pose_goals.h"
 #include "synthesis/step_track.h"

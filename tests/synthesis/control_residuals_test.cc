@@ -1,5 +1,5 @@
 // Every term of the constrained optimisation: its analytic derivatives against numeric ones, on steps of a learned model.
-#include "synthesis/control/control_residuals.h"
+#include "synthesis/control/residuals/control_residuals.h"
 
 #include <ceres/gradient_checker.h>
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "synthesis/control/control_residuals.h"
+#include "synthesis/control/residuals/control_residuals.h"
 
 #include <cmath>
 
