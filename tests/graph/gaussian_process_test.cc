@@ -90,6 +90,22 @@ TEST(GaussianProcess, PredictionIsTheConditionalGaussian) {
   EXPECT_EQ((process.PredictMean(at) - got.mean).norm(), 0);
 }
 
+TEST(GaussianProcess, JacobianOfTheMeanAgreesWithCentralDifferences) {
+  std::mt19937_64 rng(7);
+  const Eigen::MatrixXd x = RandomNormal(2, 12, rng);
+  for (const double linear : {0.0, 0.4}) {
+    const GaussianProcess process = GaussianProcess::Condition({1.2, 0.9, linear, 0.05}, x, Smooth(x));
+    const Eigen::Vector2d at(0.3, -0.4);
+    const Eigen::MatrixXd jacobian = process.MeanJacobian(at);
+    constexpr double kStep = 1e-5;
+    for (int d = 0; d < 2; ++d) {
+      const Eigen::Vector2d step = kStep * Eigen::Vector2d::Unit(d);
+      const Eigen::VectorXd difference = (process.PredictMean(at + step) - process.PredictMean(at - step)) / (2 * kStep);
+      EXPECT_LT((jacobian.col(d) - difference).norm(), 1e-8);
+    }
+  }
+}
+
 TEST(GaussianProcess, SearchFindsTheKernelThatMadeTheData) {
   std::mt19937_64 rng(5);
   const int n = 180, outputs = 20;

@@ -33,6 +33,19 @@ TEST(RotationMath, ExpMapKeepsSmallVectorsToFullRelativePrecision) {
   EXPECT_LT((LogMap(ExpMap(tiny)) - tiny).norm(), 1e-15 * tiny.norm());
 }
 
+TEST(RotationMath, RightJacobianTellsHowTheExponentialMapTurns) {
+  for (const double angle : {0.0, 1e-4, 0.3, 2.0, 3.0}) {
+    const Eigen::Vector3d v = angle * Eigen::Vector3d(0.6, -0.48, 0.64);
+    const Eigen::Matrix3d jacobian = RightJacobian(v);
+    constexpr double kStep = 1e-5;
+    for (int d = 0; d < 3; ++d) {
+      const Eigen::Vector3d step = kStep * Eigen::Vector3d::Unit(d);
+      const Eigen::Vector3d turn = LogMap(ExpMap(v - step).conjugate() * ExpMap(v + step)) / (2 * kStep);
+      EXPECT_LT((turn - jacobian.col(d)).norm(), 1e-7) << "angle " << angle;
+    }
+  }
+}
+
 TEST(RotationMath, LogMapInvertsExpMapUpToAHalfTurn) {
   std::mt19937_64 rng(2);
   for (const double angle : {0.0, 1e-12, 1e-7, 1e-5, 1e-3, 0.3, 1.0, 2.0, 3.0, kPi - 1e-6}) {

@@ -224,5 +224,19 @@ TEST(TimeWarp, FitRefusesBadInput) {
   EXPECT_THROW(TimeWarp::Fit(WarpPath{}, 5, 5, 4, 1e-3), std::invalid_argument);
 }
 
+TEST(TimeWarp, GradientAgreesWithCentralDifferences) {
+  Eigen::VectorXd slopes(5);
+  slopes << 0.2, -0.1, 0.4, 0.0, -0.3;
+  constexpr double kStep = 1e-5;
+  for (const double phase : {-0.2, 0.0, 0.1, 0.25, 0.7, 1.0, 1.2}) {
+    const Eigen::VectorXd gradient = TimeWarp::FromLogSlopes(slopes).Gradient(phase);
+    for (int d = 0; d < 5; ++d) {
+      const Eigen::VectorXd step = kStep * Eigen::VectorXd::Unit(5, d);
+      const double difference = (TimeWarp::FromLogSlopes(slopes + step)(phase) - TimeWarp::FromLogSlopes(slopes - step)(phase)) / (2 * kStep);
+      EXPECT_NEAR(gradient[d], difference, 1e-9) << "phase " << phase;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace morphograph
