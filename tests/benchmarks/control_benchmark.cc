@@ -194,8 +194,11 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
       ms.push_back(1e3 * static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
       ++met;
       for (const morphograph::ControlOutcome& outcome : result.report.constraints) {
-        tally.residuals[outcome.pointer].push_back(outcome.residual);
-        tally.units[outcome.pointer] = outcome.unit;
+        // A path's end is called after its last point, whose number differs from line to line.
+        const bool is_end = outcome.pointer.starts_with("/path/points/");
+        const std::string pointer = is_end ? "/path/points/-" : outcome.pointer;
+        tally.residuals[pointer].push_back(outcome.residual);
+        tally.units[pointer] = outcome.unit;
       }
       for (const morphograph::StepReport& step : result.report.steps) {
         if (const auto found = captured.find(result.report.style); found != captured.end()) ranks.push_back(Rank(found->second, step.log_likelihood));
@@ -234,7 +237,7 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
                 scale * morphograph::Quantile(residuals, 0.95), scale * morphograph::Quantile(residuals, 1), unit);
   }
   if (!path_mean.empty()) {
-    std::printf("  distance from path: mean over clips of mean %.2f cm, of 95 %% %.2f cm; worst clip %.2f, %.2f\n", 100 * morphograph::Quantile(path_mean, 0.5),
+    std::printf("  distance from path: median over clips of the mean %.2f cm, of 95 %% %.2f cm; worst clip %.2f, %.2f\n", 100 * morphograph::Quantile(path_mean, 0.5),
                 100 * morphograph::Median(path_95), 100 * morphograph::Quantile(path_mean, 1), 100 * morphograph::Quantile(path_95, 1));
   }
   if (clips.size() >= 5) {
