@@ -16,7 +16,8 @@ namespace morphograph {
 namespace {
 
 constexpr std::size_t kMostColumns = 3 * 500 + 1;
-constexpr double kLongestTime_s = 1e9;
+constexpr double kLongestTime_s = 1e10;  // times since 1970 are 1.8e9 s; milliseconds would be 1.8e12
+constexpr double kLargestValue = 1e30;   // squares of it are still finite
 constexpr char kAxes[] = "xyz";
 
 std::string_view Trimmed(std::string_view text) {
@@ -103,10 +104,12 @@ class CsvReader {
     double value = 0;
     const char* first = cell.text.data();
     const char* last = first + cell.text.size();
-    if (first != last && *first == '+') ++first;
+    if (last - first > 1 && *first == '+' && first[1] != '-') ++first;  // from_chars takes no plus
     const auto [end, error] = std::from_chars(first, last, value);
-    if (error != std::errc() || end != last || !std::isfinite(value)) 
+    if (error != std::errc() || end != last || !std::isfinite(value)) {
       Fail(cell.column, std::string("not a number: ").append(cell.text.substr(0, 40)));
+    }
+    if (std::abs(value) > kLargestValue) Fail(cell.column, std::string("too large: ").append(cell.text.substr(0, 40)));
     return value;
   }
 
@@ -114,7 +117,7 @@ class CsvReader {
     if (cells.size() != columns_) Fail(1, "expected " + std::to_string(columns_) + " cells, found " + std::to_string(cells.size()));
     if (cells.front().text.empty() || IsNan(cells.front().text)) Fail(1, "a sample must have a time");
     times_.push_back(Number(cells.front()));
-    if (std::abs(times_.back()) > kLongestTime_s) Fail(1, "the time must be seconds, within 10^9 of 0");
+    if (std::abs(times_.back()) > kLongestTime_s) Fail(1, "the time must be in seconds, within 10^10 of 0");
     for (std::size_t c = 1; c < cells.size(); ++c) {
       const bool lost = cells[c].text.empty() || IsNan(cells[c].text);
       values_.push_back(lost ? std::numeric_limits<double>::quiet_NaN() : Number(cells[c]));
