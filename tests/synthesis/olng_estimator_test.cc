@@ -1,0 +1,197 @@
+#include "synthesis/sensors/olng_estimator.h"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <random>
+
+#include "datasets/synthetic_gait.h"
+#include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/reconstruction_quality.h"
+#include "tests/support/random_matrix.h"
+
+namespace morphograph {
+namespace {
+
+// Walks of several speeds on one skeleton.
+std::vector<MotionClip> OlngWalks() {
+  std::vector<MotionClip> walks;
+  for (std::uint64_t i = 0; i < 9; ++i) {
+    SyntheticGaitOptions options;
+    options.seed = i + 1;
+    options.frame_rate_hz = 30;
+    options.steps = 8;
+    options.speed_m_s = 1.0 + 0.08 * static_cast<double>(i);
+    options.stop_standing = false;
+    walks.push_back(GenerateGait(options));
+    if (i > 0) {
+      MotionClip shared(walks.front().shared_skeleton(), 30, walks.back().frame_count());
+      for (int f = 0; f < shared.frame_count(); ++f) std::copy_n(walks.back().rotations(f), shared.joint_count(), &shared.rotation(f, 0));
+      shared.root_positions() = walks.back().root_positions();
+      walks.back() = shared;
+    }
+  }
+  return walks;
+}
+
+// All walks but one, and that one.
+struct OlngSetting {
+  OlngSetting() {
+    std::vector<MotionClip> walks = OlngWalks();
+    test = walks[4];
+    walks.erase(walks.begin() + 4);
+    base = std::make_shared<MotionBase>(walks, PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"}), MotionBaseOptions());
+    known = walks[3];
+  }
+  Eigen::MatrixXd Read(const MotionClip& clip) const { return VirtualAccelerations(clip, base->sensors(), 30).values; }
+  MotionClip test, known;
+  std::shared_ptr<const MotionBase> base;
+};
+
+const OlngSetting& OlngShared() {
+  static const OlngSetting setting;
+  return setting;
+}
+
+std::vector<BasePose> RunOlng(const Eigen::MatrixXd& readings, const OlngOptions& options) {
+  OlngEstimator estimator(std::make_shared<OlngModel>(OlngShared().base, options));
+  std::vector<BasePose> poses;
+  for (Eigen::Index f = 0; f < readings.cols(); ++f) poses.push_back(estimator.Next(readings.col(f)));
+  return poses;
+}
+
+// Random targets of the sizes that the base asks for.
+NeighbourhoodTargets RandomTargets(std::mt19937_64& rng) {
+  const MotionBase& base = *OlngShared().base;
+  const Eigen::Index rotations = base.rotations().rows(), positions = base.positions().rows();
+  NeighbourhoodTargets targets;
+  targets.weights = testing::RandomNormal(20, 1, rng).cwiseAbs();
+  targets.weights /= targets.weights.sum();
+  targets.poses = 0.1 * testing::RandomNormal(rotations, 20, rng);
+  const Eigen::VectorXd about = MeasuredPositions(base, targets.poses.col(0));
+  targets.motion = (0.03 * testing::RandomNormal(positions, 20, rng)).colwise() + about;
+  targets.smooth = (0.03 * testing::RandomNormal(positions, 20, rng)).colwise() + about;
+  targets.controlled = {2, 5, 3};
+  targets.control = 0.2 * testing::RandomNormal(9, 20, rng);
+  targets.inertial = about;
+  return targets;
+}
+
+TEST(NeighbourhoodEnergy, GradientsAreThoseOfDifferences) {
+  std::mt19937_64 rng(17);
+  for (const PriorKind kind : {PriorKind::kKernel, PriorKind::kGaussian, PriorKind::kGaussianLeastAcceleration}) {
+    NeighbourhoodEnergyOptions options;
+    options.kind = kind;
+    const NeighbourhoodEnergy energy(*OlngShared().base, RandomTargets(rng), options);
+    ASSERT_GT(energy.dims(), 5);
+    const Eigen::VectorXd at = 0.3 * testing::RandomNormal(energy.dims(), 1, rng);
+    Eigen::VectorXd gradient;
+    energy.Energy(at, &gradient);
+    for (Eigen::Index i = 0; i < energy.dims(); ++i) {
+      const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(energy.dims(), i);
+      const double difference = (energy.Energy(at + step, nullptr) - energy.Energy(at - step, nullptr)) / 2e-6;
+      EXPECT_NEAR(gradient[i], difference, 1e-5 * (1 + gradient.cwiseAbs().maxCoeff())) << static_cast<int>(kind) << " " << i;
+    }
+  }
+}
+
+TEST(NeighbourhoodEnergy, PositionsPullBackToRotations) {
+  std::mt19937_64 rng(19);
+  const MotionBase& base = *OlngShared().base;
+  const Eigen::VectorXd at = 0.5 * testing::RandomNormal(base.rotations().rows(), 1, rng);
+  const Eigen::VectorXd direction = testing::RandomNormal(base.positions().rows(), 1, rng);
+  const Eigen::VectorXd gradient = PullBack(base, at, direction);
+  for (Eigen::Index i = 0; i < at.size(); ++i) {
+    const Eigen::VectorXd step = 1e-6 * Eigen::VectorXd::Unit(at.size(), i);
+    const double difference = direction.dot(MeasuredPositions(base, at + step) - MeasuredPositions(base, at - step)) / 2e-6;
+    EXPECT_NEAR(gradient[i], difference, 1e-6) << i;
+  }
+}
+
+TEST(NeighbourhoodEnergy, MinimisingEndsWhereTheSlopeDoes) {
+  std::mt19937_64 rng(23);
+  for (const PriorKind kind : {PriorKind::kKernel, PriorKind::kGaussian, PriorKind::kGaussianLeastAcceleration}) {
+    NeighbourhoodEnergyOptions options;
+    options.kind = kind;
+    options.max_iterations = 200;
+    const NeighbourhoodEnergy energy(*OlngShared().base, RandomTargets(rng), options);
+    const Eigen::VectorXd start = 0.3 * testing::RandomNormal(energy.dims(), 1, rng);
+    const Eigen::VectorXd found = energy.Coordinates(energy.Minimise(energy.Rotations(start)));
+    Eigen::VectorXd first, last;
+    EXPECT_LT(energy.Energy(found, &last), energy.Energy(start, &first));
+    EXPECT_LT(last.norm(), 0.05 * first.norm()) << static_cast<int>(kind);
+  }
+}
+
+TEST(NeighbourhoodEnergy, KernelsHoldToTheLargerOfTwoClustersAndNormalDistributionsToTheMiddle) {
+  // Tautges, Fig. 4.
+  const Eigen::MatrixXd samples = (Eigen::RowVectorXd(5) << -1.02, -1, -0.98, 1, 1.02).finished();
+  const Eigen::VectorXd weights = Eigen::VectorXd::Constant(5, 0.2);
+  const KernelPrior kernel(samples, weights, Eigen::VectorXd::Constant(5, 1e-4));
+  const GaussianPrior normal(samples, weights, 0.01);
+  const auto at = [](double y) -> Eigen::VectorXd { return Eigen::VectorXd::Constant(1, y); };
+  EXPECT_LT(kernel.Energy(at(-1), 1, nullptr), kernel.Energy(at(1), 1, nullptr));
+  EXPECT_LT(kernel.Energy(at(1), 1, nullptr), kernel.Energy(at(0), 1, nullptr)) << "each cluster has a minimum of its own";
+  EXPECT_LT(normal.Energy(at(-0.2), 1, nullptr), normal.Energy(at(-1), 1, nullptr));
+}
+
+TEST(OlngEstimator, FindsAMotionThatTheBaseHolds) {
+  for (const OlngPose pose : {OlngPose::kNearest, OlngPose::kWeightedMean, OlngPose::kEnergy}) {
+    OlngOptions options;
+    options.pose = pose;
+    options.paths = 4;
+    const ReconstructionQuality quality = CompareWithTruth(*OlngShared().base, RunOlng(OlngShared().Read(OlngShared().known), options), OlngShared().known);
+    EXPECT_LT(quality.position_rms_cm, pose == OlngPose::kNearest ? 0.2 : 1.5) << static_cast<int>(pose);
+  }
+}
+
+TEST(OlngEstimator, ComesNearerToAnUnknownWalkThanTheNearestNeighbour) {
+  OlngOptions options;
+  const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().test);
+  const std::vector<BasePose> poses = RunOlng(readings, options);
+  const ReconstructionQuality quality = CompareWithTruth(*OlngShared().base, poses, OlngShared().test);
+  options.pose = OlngPose::kNearest;
+  const ReconstructionQuality nearest = CompareWithTruth(*OlngShared().base, RunOlng(readings, options), OlngShared().test);
+  EXPECT_LT(quality.position_rms_cm, 0.9 * nearest.position_rms_cm);
+  EXPECT_LT(quality.jerk_ratio, nearest.jerk_ratio);
+  // It goes as far as the walk does, and the last way it went was forwards.
+  const MotionClip clip = OlngShared().base->Assemble(poses);
+  const auto length = [](const MotionClip& of) { return (of.root_positions().rightCols<1>() - of.root_positions().leftCols<1>()).norm(); };
+  EXPECT_NEAR(length(clip) / length(OlngShared().test), 1, 0.1);
+}
+
+TEST(OlngEstimator, PosesDependOnReadingsUntilNowOnly) {
+  OlngOptions options;
+  const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().test);
+  const std::vector<BasePose> whole = RunOlng(readings, options), again = RunOlng(readings, options), part = RunOlng(readings.leftCols(40), options);
+  ASSERT_EQ(part.size(), 40U);
+  for (std::size_t f = 0; f < whole.size(); ++f) {
+    ASSERT_TRUE(whole[f].rotations.allFinite() && whole[f].step.allFinite());
+    EXPECT_EQ(whole[f].rotations, again[f].rotations);
+    if (f < part.size()) EXPECT_EQ(whole[f].rotations, part[f].rotations) << f;
+  }
+}
+
+TEST(OlngEstimator, AFasterWalkGoesFaster) {
+  // The same poses a quarter faster: readings change with the square of it, and the base has no such walk at that tempo.
+  const MotionClip& known = OlngShared().known;
+  MotionClip faster(known.shared_skeleton(), 30 * 1.25, known.frame_count());
+  for (int f = 0; f < known.frame_count(); ++f) std::copy_n(known.rotations(f), known.joint_count(), &faster.rotation(f, 0));
+  faster.root_positions() = known.root_positions();
+  const std::vector<BasePose> poses = RunOlng(OlngShared().Read(faster), {});
+  const MotionClip clip = OlngShared().base->Assemble(poses);
+  const auto length = [](const MotionClip& of) { return (of.root_positions().rightCols<1>() - of.root_positions().leftCols<1>()).norm(); };
+  EXPECT_NEAR(length(clip) / length(known), 1, 0.12);
+}
+
+TEST(OlngEstimator, RefusesReadingsThatAreNone) {
+  OlngEstimator estimator(std::make_shared<OlngModel>(OlngShared().base, OlngOptions()));
+  EXPECT_THROW(estimator.Next(Eigen::VectorXd::Zero(11)), std::invalid_argument);
+  EXPECT_THROW(estimator.Next(Eigen::VectorXd::Constant(12, std::nan(""))), std::invalid_argument);
+  EXPECT_THROW(OlngModel(OlngShared().base, {.neighbours = -1}), std::invalid_argument);
+  const auto without = std::make_shared<MotionBase>(OlngWalks(), std::vector<Placement>(), MotionBaseOptions());
+  EXPECT_THROW(OlngModel(without, {}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace morphograph
