@@ -1,0 +1,158 @@
+// Poses from a few accelerometers by maps learned from recordings (Xie 2009): errors beside the nearest neighbour's, and times.
+//
+//   mapping_benchmark --data RECORDINGS [--tune] [--known-only] [--rows rbf,gaussian,lle] [options of the methods]
+//
+// RECORDINGS holds bnr/ and cmu/. Which clips are tested: recordings.h. Readings are those of a test clip's own body; errors are of the joints
+// in the pelvis frame, per frame.
+#include <CLI/CLI.hpp>
+#include <chrono>
+#include <cstdio>
+#include <ctime>
+#include <functional>
+
+#include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/rbf_estimator.h"
+#include "synthesis/sensors/reconstruction_quality.h"
+#include "tests/benchmarks/recordings.h"
+
+namespace {
+
+using namespace morphograph;
+using Clock = std::chrono::steady_clock;
+
+// Two a limb, as Xie's were on arms and legs.
+const std::vector<std::string> kXieJoints = {"left_elbow", "left_wrist", "right_elbow", "right_wrist",
+                                             "left_knee",  "left_ankle", "right_knee",  "right_ankle"};
+
+// The pose whose readings are nearest, frame by frame.
+class NearestNeighbour : public PoseEstimator {
+ public:
+  explicit NearestNeighbour(const MotionBase& base) : base_(base) {}
+  BasePose Next(const Eigen::VectorXd& reading) override {
+    const Eigen::VectorXf values = reading.cast<float>();
+    Eigen::Index nearest = 0;
+    (base_.accelerations().colwise() - values).colwise().squaredNorm().minCoeff(&nearest);
+    return base_.Pose(nearest);
+  }
+
+ private:
+  const MotionBase& base_;
+};
+
+struct Row {
+  double rms = 0, p95 = 0, velocity = 0, jerk = 0, normalised = 0, angle = 0, microseconds = 0;
+  long long frames = 0;
+};
+
+double Seconds(Clock::time_point from) { return std::chrono::duration<double>(Clock::now() - from).count(); }
+
+// Of this thread alone: other work on the machine does not count.
+double ProcessorTime_us() {
+  timespec now{};
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &now);
+  return 1e6 * static_cast<double>(now.tv_sec) + 1e-3 * static_cast<double>(now.tv_nsec);
+}
+
+void Add(const MotionBase& base, const Split& split, const std::function<std::unique_ptr<PoseEstimator>()>& make, Row* row) {
+  for (const Recording& recording : split.unseen) {
+    const Readings readings = VirtualAccelerations(recording.own, base.sensors(), base.frame_rate_hz());
+    const auto estimator = make();
+    std::vector<BasePose> poses;
+    const double start = ProcessorTime_us();
+    for (int f = 0; f < recording.own.frame_count(); ++f) poses.push_back(estimator->Next(readings.values.col(f)));
+    row->microseconds += ProcessorTime_us() - start;
+    const ReconstructionQuality q = CompareWithTruth(base, poses, recording.common);
+    const double n = q.frames;
+    row->frames += q.frames;
+    row->rms += n * q.position_rms_cm;
+    row->p95 += n * q.position_rms_p95_cm;
+    row->velocity += n * q.velocity_error_cm_s;
+    row->jerk += n * q.jerk_ratio;
+    row->normalised += n * q.normalised_rms;
+    row->angle += n * q.angle_deg;
+  }
+}
+
+void Print(const std::string& name, const Row& row, const Row& nearest) {
+  const auto n = static_cast<double>(row.frames);
+  std::printf("  %-26s %6.2f %6.2f %6.3f %8.1f %6.2f %7.3f %6.2f %8.1f\n", name.c_str(), row.rms / n, row.p95 / n, row.rms / nearest.rms, row.velocity / n,
+              row.jerk / n, row.normalised / n, row.angle / n, row.microseconds / n);
+  std::fflush(stdout);
+}
+
+struct Method {
+  std::string name;
+  /// Learns, and says how to begin a stream.
+  std::function<std::function<std::unique_ptr<PoseEstimator>()>(const MotionBase&)> learn;
+};
+
+void Run(const std::string& title, const std::vector<Split>& splits, const std::vector<Method>& methods, const MotionBaseOptions& options) {
+  std::vector<Row> rows(methods.size());
+  Row nearest;
+  for (const Split& split : splits) {
+    const MotionBase base(split.base, PlacementsAtJoints(kXieJoints), options);
+    Add(base, split, [&] { return std::make_unique<NearestNeighbour>(base); }, &nearest);
+    for (std::size_t m = 0; m < methods.size(); ++m) {
+      const auto start = Clock::now();
+      const auto make = methods[m].learn(base);
+      std::fprintf(stderr, "%s, %s: %lld frames, learned in %.1f s\n", split.name.c_str(), methods[m].name.c_str(), static_cast<long long>(base.frame_count()),
+                   Seconds(start));
+      Add(base, split, make, &rows[m]);
+    }
+  }
+  std::printf("%s, %lld frames tested\n  %-26s %6s %6s %6s %8s %6s %7s %6s %8s\n", title.c_str(), nearest.frames, "method", "RMS cm", "p95", "/ NN", "cm/s", "jerk",
+              "Eq.7.1", "deg", "us/frame");
+  Print("nearest neighbour", nearest, nearest);
+  for (std::size_t m = 0; m < methods.size(); ++m) Print(methods[m].name, rows[m], nearest);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::filesystem::path data;
+  bool tune = false, known_only = false, no_mirror = false;
+  std::vector<std::string> wanted = {"rbf", "rbf-raw"};
+  RbfOptions rbf;
+  CLI::App app("Poses from accelerometers by learned maps");
+  app.add_option("--data", data, "folder with bnr and cmu")->required();
+  app.add_flag("--tune", tune, "the clips to tune on, not those to test on");
+  app.add_flag("--known-only", known_only, "only the split of known styles");
+  app.add_flag("--no-mirror", no_mirror, "no mirrored copies in the base");
+  app.add_option("--rows", wanted, "methods")->delimiter(',');
+  app.add_option("--components", rbf.reduction.components, "of a pose");
+  app.add_option("--max-clusters", rbf.clusters.max_clusters, "of poses");
+  app.add_option("--cluster-components", rbf.clusters.components, "of a pose, in clusters");
+  app.add_option("--centres", rbf.map.centres, "of a map");
+  app.add_option("--width", rbf.map.width, "of a centre");
+  app.add_option("--ridge", rbf.map.ridge, "of a map");
+  app.add_option("--evidence", rbf.evidence, "of a reading");
+  app.add_option("--window", rbf.window, "frames");
+  CLI11_PARSE(app, argc, argv);
+  rbf.jobs = 2;
+
+  const auto rbf_method = [](const std::string& name, const RbfOptions& options) {
+    return Method{name, [options](const MotionBase& base) {
+                    auto model = std::make_shared<const RbfModel>(base, options);
+                    for (const auto& tried : model->clusters.candidates) std::fprintf(stderr, "%d clusters: %.0f\n", tried.clusters, tried.description_length);
+                    return [model]() -> std::unique_ptr<PoseEstimator> { return std::make_unique<RbfEstimator>(model); };
+                  }};
+  };
+  std::vector<Method> methods;
+  for (const std::string& name : wanted) {
+    RbfOptions options = rbf;
+    if (name == "rbf") methods.push_back(rbf_method(name, options));
+    if (name == "rbf-raw") options.window = 1, methods.push_back(rbf_method("rbf without window", options));
+    if (name == "rbf-xie") options.choice = ClusterChoice::kNearestMean, methods.push_back(rbf_method("rbf, nearest cluster", options));
+    if (name == "rbf-lle") options.reduction.kind = ReductionKind::kLle, methods.push_back(rbf_method("rbf, LLE", options));
+  }
+  const Purpose purpose = tune ? Purpose::kTune : Purpose::kTest;
+  MotionBaseOptions base;
+  base.mirrored = !no_mirror;
+  base.jobs = 2;
+  const auto bnr = LoadRecordings(data / "bnr/dataset-2", {"walk", "walk-turn-left", "walk-turn-right"}, base.frame_rate_hz, false);
+  Run("bnr, known style", {KnownStyle(bnr, purpose)}, methods, base);
+  if (known_only) return 0;
+  Run("bnr, unseen style", UnseenGroups(bnr, 20, purpose), methods, base);
+  const auto cmu = LoadRecordings(data / "cmu", {"07", "08"}, base.frame_rate_hz, true);
+  Run("cmu, unseen subject", UnseenGroups(cmu, 2, purpose), methods, base);
+}
