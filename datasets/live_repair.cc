@@ -1,0 +1,253 @@
+#include "datasets/live_repair.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <stdexcept>
+
+#include "datasets/internal/sensor_track.h"
+#include "datasets/internal/sensor_vitals.h"
+#include "datasets/marker_units.h"
+
+namespace morphograph {
+namespace {
+
+constexpr double kLongestSilence_s = 10;
+constexpr double kKept_s = 3;                  // of the past
+constexpr double kMeanOver_s = 5;
+constexpr std::size_t kLeastWaiting = 10, kMostWaiting = 100'000;
+constexpr double kSpikeOfMean = 12, kLeastSpike_m_s2 = 40, kLeastMarkerSpike_m = 0.1;
+constexpr double kMoving_m_s2 = 0.5;
+
+}  // namespace
+
+class LiveRepair::Stream {
+ public:
+  Stream(int sensors, const LiveRepairOptions& options)
+      : options_(options), markers_(options.kind == ReadingsKind::kMarkers), sensors_(static_cast<std::size_t>(sensors)) {}
+
+  std::vector<Eigen::VectorXd> Push(double time_s, const Eigen::VectorXd& values) {
+    if (values.size() != 3 * static_cast<Eigen::Index>(sensors_.size())) throw std::invalid_argument("LiveRepair: expected 3 values a sensor");
+    if (!std::isfinite(time_s)) throw std::invalid_argument("LiveRepair: the time must be a number");
+    std::vector<Eigen::VectorXd> due;
+    if (any_ && time_s <= last_s_) {
+      ++late_samples;
+      return due;
+    }
+    if (any_ && time_s - last_s_ > kLongestSilence_s) {
+      due = Finish();
+      Restart();
+    }
+    if (!any_) first_s_ = time_s;
+    any_ = true;
+    last_s_ = time_s;
+    if (!settled_) {
+      waiting_times_.push_back(time_s);
+      waiting_.push_back(values);
+      if (waiting_.size() < kLeastWaiting || (time_s - first_s_ < options_.settle_s && waiting_.size() < kMostWaiting)) return due;
+      Settle();
+    } else {
+      Add(time_s, values);
+    }
+    for (Eigen::VectorXd& result : Due(time_s - Delay())) due.push_back(std::move(result));
+    Forget();
+    return due;
+  }
+
+  std::vector<Eigen::VectorXd> Finish() {
+    if (!any_) return {};
+    if (!settled_) Settle();
+    return Due(last_s_);
+  }
+
+  double Delay() const {
+    if (!settled_) return 0;
+    // Two samples to judge a spike, one to bridge to, and what the average reaches ahead.
+    return options_.longest_bridge_s + 3 * step_s_ + (Averages() ? 1 / options_.rate_hz : 0);
+  }
+
+  std::vector<int> Dead() const {
+    std::vector<int> dead;
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      const Sensor& sensor = sensors_[s];
+      const bool silent = sensor.heard == 0 || last_s_ - sensor.last_heard_s > options_.dead_after_s;
+      const bool stuck = !markers_ && last_s_ - sensor.last_change_s > options_.dead_after_s && OtherMoves(s);
+      if (settled_ && (silent || stuck || !sensor.has_gravity)) dead.push_back(static_cast<int>(s));
+    }
+    return dead;
+  }
+
+  std::vector<std::string> notes;
+  std::int64_t late_samples = 0, wild_samples = 0;
+
+ private:
+  struct Sensor {
+    SensorTrack track;  // the last seconds
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+    double heard = 0;        // samples so far
+    double mean_height = 0;  // of samples above the line between their neighbours
+    double last_heard_s = -std::numeric_limits<double>::infinity();
+    double last_change_s = 0;
+    double mean_norm = 0, mean_norm_square = 0;
+    bool has_gravity = true;
+  };
+
+  bool Averages() const { return !markers_ && 1 / step_s_ > 1.05 * options_.rate_hz; }
+
+  void Restart() {
+    notes.emplace_back("nothing came for more than 10 s; the clock was started anew");
+    settled_ = any_ = false;
+    sensors_.assign(sensors_.size(), Sensor());
+    results_ = 0;
+  }
+
+  void Settle() {
+    Eigen::MatrixXd values(3 * static_cast<Eigen::Index>(sensors_.size()), static_cast<Eigen::Index>(waiting_.size()));
+    for (std::size_t i = 0; i < waiting_.size(); ++i) values.col(static_cast<Eigen::Index>(i)) = waiting_[i];
+    std::vector<SensorTrack> tracks;
+    for (Eigen::Index s = 0; s < values.rows() / 3; ++s) tracks.emplace_back(waiting_times_, values.middleRows<3>(3 * s));
+    if (markers_) {
+      Readings readings;
+      readings.names.resize(sensors_.size());
+      readings.times_s = waiting_times_;
+      readings.values = values;
+      unit_ = MetresPerMarkerUnit(readings);
+    } else {
+      unit_ = AccelerationUnit(tracks);
+      for (std::size_t s = 0; s < tracks.size(); ++s) sensors_[s].has_gravity = tracks[s].empty() || IsLikeGravity(unit_ * tracks[s].MedianNorm());
+    }
+    if (unit_ == 0.01) notes.emplace_back("the markers are in centimetres; scaled to metres");
+    if (unit_ == 0.001) notes.emplace_back("the markers are in millimetres; scaled to metres");
+    if (unit_ == kGravityOfUnits_m_s2) notes.emplace_back("the readings are in g, not m/s^2; scaled by 9.81");
+    if (unit_ == kGravityOfUnits_m_s2 / 1000) notes.emplace_back("the readings are in mg, not m/s^2; scaled by 0.00981");
+    step_s_ = std::numeric_limits<double>::infinity();
+    for (const SensorTrack& track : tracks) {
+      if (track.step_s > 0) step_s_ = std::min(step_s_, track.step_s);
+    }
+    if (!std::isfinite(step_s_)) step_s_ = 1 / options_.rate_hz;
+    for (std::size_t s = 0; s < tracks.size(); ++s) sensors_[s].track.step_s = tracks[s].step_s > 0 ? tracks[s].step_s : step_s_;
+    settled_ = true;
+    for (std::size_t i = 0; i < waiting_.size(); ++i) Add(waiting_times_[i], waiting_[i]);
+    waiting_.clear();
+    waiting_times_.clear();
+  }
+
+  void Add(double time_s, const Eigen::VectorXd& values) {
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      Sensor& sensor = sensors_[s];
+      const Eigen::Vector3d value = unit_ * values.segment<3>(3 * static_cast<Eigen::Index>(s));
+      if (!value.allFinite()) continue;
+      if (!markers_ && value.cwiseAbs().maxCoeff() > kWidestRange_m_s2) {
+        ++wild_samples;
+        continue;
+      }
+      if (sensor.track.empty() || value != sensor.track.values.back()) sensor.last_change_s = time_s;
+      sensor.last_heard_s = time_s;
+      sensor.track.times_s.push_back(time_s);
+      sensor.track.values.push_back(value);
+      sensor.heard += 1;
+      JudgeSpike(&sensor);
+      const double weight = std::max(1 / sensor.heard, sensor.track.step_s / kMeanOver_s);
+      sensor.mean += weight * (value - sensor.mean);
+      sensor.mean_norm += weight * (value.norm() - sensor.mean_norm);
+      sensor.mean_norm_square += weight * (value.squaredNorm() - sensor.mean_norm_square);
+    }
+  }
+
+  // Judges the last sample but one, now that both of its neighbours are known.
+  void JudgeSpike(Sensor* sensor) {
+    SensorTrack& track = sensor->track;
+    const std::size_t samples = track.values.size();
+    if (samples < 3 || track.times_s[samples - 1] - track.times_s[samples - 3] > 8 * track.step_s) return;
+    const SpikeMeasure measure = MeasureSpike(track, samples - 2, 1);
+    const double threshold = std::max(markers_ ? kLeastMarkerSpike_m : kLeastSpike_m_s2, kSpikeOfMean * sensor->mean_height);
+    if (IsSpike(measure, 1, threshold)) {
+      ++wild_samples;
+      track.times_s.erase(track.times_s.end() - 2);
+      track.values.erase(track.values.end() - 2);
+      return;
+    }
+    sensor->mean_height += std::max(1 / sensor->heard, track.step_s / kMeanOver_s) * (measure.height - sensor->mean_height);
+  }
+
+  bool OtherMoves(std::size_t sensor) const {
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      const double variance = sensors_[s].mean_norm_square - sensors_[s].mean_norm * sensors_[s].mean_norm;
+      if (s != sensor && variance > kMoving_m_s2 * kMoving_m_s2) return true;
+    }
+    return false;
+  }
+
+  void Forget() {
+    for (Sensor& sensor : sensors_) {
+      std::vector<double>& times = sensor.track.times_s;
+      // One is kept from which a silent sensor is continued. Rarely, so that it costs little a sample.
+      if (times.size() < 64 || times[times.size() / 2] > last_s_ - kKept_s) continue;
+      const auto old = static_cast<std::ptrdiff_t>(times.size() / 2);
+      times.erase(times.begin(), times.begin() + old);
+      sensor.track.values.erase(sensor.track.values.begin(), sensor.track.values.begin() + old);
+    }
+  }
+
+  Eigen::VectorXd At(double time_s) const {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(sensors_.size()));
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      if (sensors_[s].track.empty()) continue;
+      GapFilling filling;
+      filling.longest_bridge_s = options_.longest_bridge_s;
+      if (markers_) filling.damping_s = std::numeric_limits<double>::infinity();
+      filling.towards = sensors_[s].mean;
+      values.segment<3>(3 * static_cast<Eigen::Index>(s)) = ValueAt(sensors_[s].track, time_s, filling);
+    }
+    return values;
+  }
+
+  Eigen::VectorXd ResultAt(double time_s) const {
+    if (!Averages()) return At(time_s);
+    // The same triangle as RepairStream()'s, over the sensors' own steps counted from the first sample.
+    const double ratio = 1 / (step_s_ * options_.rate_hz), centre = (time_s - first_s_) / step_s_;
+    const auto from = static_cast<std::int64_t>(std::max(0.0, std::ceil(centre - ratio))), to = static_cast<std::int64_t>(std::floor(centre + ratio));
+    Eigen::MatrixXd values(3 * static_cast<Eigen::Index>(sensors_.size()), to - from + 1);
+    for (std::int64_t i = from; i <= to; ++i) values.col(i - from) = At(first_s_ + static_cast<double>(i) * step_s_);
+    return TriangleMean(values, centre - static_cast<double>(from), ratio);
+  }
+
+  std::vector<Eigen::VectorXd> Due(double until_s) {
+    std::vector<Eigen::VectorXd> due;
+    for (;; ++results_) {
+      const double time_s = first_s_ + static_cast<double>(results_) / options_.rate_hz;
+      if (time_s > until_s + 1e-9) return due;
+      due.push_back(ResultAt(time_s));
+    }
+  }
+
+  LiveRepairOptions options_;
+  bool markers_;
+  std::vector<Sensor> sensors_;
+  std::vector<double> waiting_times_;  // before it has settled
+  std::vector<Eigen::VectorXd> waiting_;
+  bool settled_ = false, any_ = false;
+  double unit_ = 1, step_s_ = 0, first_s_ = 0, last_s_ = 0;
+  std::int64_t results_ = 0;
+};
+
+LiveRepair::LiveRepair(int sensors, const LiveRepairOptions& options) {
+  if (sensors < 1 || sensors > 500) throw std::invalid_argument("LiveRepair: 1 to 500 sensors");
+  if (!(options.rate_hz >= 1 && options.rate_hz <= 1000)) throw std::invalid_argument("LiveRepair: rate must be within [1, 1000] Hz");
+  if (!(options.longest_bridge_s >= 0 && options.longest_bridge_s <= 1)) throw std::invalid_argument("LiveRepair: bridge must be within [0, 1] s");
+  if (!(options.settle_s >= 0 && options.settle_s <= 10)) throw std::invalid_argument("LiveRepair: settle must be within [0, 10] s");
+  if (!(options.dead_after_s > 0)) throw std::invalid_argument("LiveRepair: dead_after must be positive");
+  stream_ = std::make_unique<Stream>(sensors, options);
+}
+LiveRepair::~LiveRepair() = default;
+
+std::vector<Eigen::VectorXd> LiveRepair::Push(double time_s, const Eigen::VectorXd& values) { return stream_->Push(time_s, values); }
+std::vector<Eigen::VectorXd> LiveRepair::Finish() { return stream_->Finish(); }
+double LiveRepair::delay_s() const { return stream_->Delay(); }
+std::vector<int> LiveRepair::dead_sensors() const { return stream_->Dead(); }
+const std::vector<std::string>& LiveRepair::notes() const { return stream_->notes; }
+std::int64_t LiveRepair::late_samples() const { return stream_->late_samples; }
+std::int64_t LiveRepair::wild_samples() const { return stream_->wild_samples; }
+
+}  // namespace morphograph
