@@ -157,6 +157,7 @@ ClipRequest ParseFields(std::string_view text, const ClipRequestRules& rules, in
   ObjectReader reader(body, "", &findings);
   request.model = reader.Text("model").value_or("");
   ReadSeed(&reader, &request);
+  request.action = reader.Text("action");
   request.style = reader.Text("style");
   request.duration_s = reader.Finite("duration");
   request.steps = reader.Whole("steps", 1, kMaxSteps);
@@ -196,6 +197,7 @@ std::string CanonicalJson(const ClipRequest& request) {
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
   if (!request.model.empty()) out["model"] = request.model;
   if (request.seed) out["seed"] = *request.seed;
+  if (request.action) out["action"] = *request.action;
   if (request.style) out["style"] = *request.style;
   if (request.duration_s) out["duration"] = *request.duration_s;
   if (request.steps) out["steps"] = *request.steps;
@@ -218,6 +220,7 @@ SynthesisRequest ToSynthesisRequest(const ClipRequest& request) {
   if (!request.seed) throw std::invalid_argument("ToSynthesisRequest: the request has no seed");
   SynthesisRequest out;
   out.seed = *request.seed;
+  out.action = request.action;
   out.style = request.style;
   out.duration_s = request.duration_s;
   out.steps = request.steps;

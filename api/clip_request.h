@@ -24,6 +24,7 @@ struct OutputFormat {
 struct ClipRequest {
   std::string model;  // empty only where the caller has one already
   std::optional<std::uint64_t> seed;
+  std::optional<std::string> action;  // the model's own when empty
   std::optional<std::string> style;
   std::optional<double> duration_s;
   std::optional<int> steps;

@@ -89,6 +89,7 @@ ordered_json ContactsJson(const std::vector<PlantedFoot>& contacts) {
 std::string ReportJson(const SynthesisReport& report) {
   ordered_json json = {{"seed", report.seed},
                        {"model", {{"name", report.model_name}, {"hash", report.model_hash}}},
+                       {"action", report.action},
                        {"style", report.style},
                        {"duration", report.duration_s},
                        {"frames", report.frames}};

@@ -13,6 +13,7 @@ using nlohmann::ordered_json;
 ordered_json PrimitiveJson(const PrimitiveSummary& primitive) {
   const auto start = KeyframeLabelName(primitive.start), end = KeyframeLabelName(primitive.end);
   ordered_json json = {{"name", primitive.name},
+                       {"action", primitive.action},
                        {"style", primitive.style},
                        {"styles", ordered_json::array()},
                        {"start", start},
@@ -95,6 +96,7 @@ ordered_json ModelJson(const GraphSummary& summary, const std::string& name) {
   ordered_json json = {{"name", name},
                        {"hash", summary.hash},
                        {"action", summary.action},
+                       {"actions", ordered_json::array()},
                        {"styles", summary.styles},
                        {"format_version", summary.format_version},
                        {"joints", summary.joints},
@@ -110,9 +112,12 @@ ordered_json ModelJson(const GraphSummary& summary, const std::string& name) {
                        {"command", summary.command},
                        {"boundaries", ordered_json::array()},
                        {"notes", summary.notes}};
+  for (const ActionSummary& action : summary.actions) {
+    json["actions"].push_back({{"name", action.name}, {"styles", action.styles}});
+  }
   for (const StyleBoundaries& style : summary.boundaries) {
     json["boundaries"].push_back(
-        {{"style", style.style}, {"start_from", NamesJson(style.starts)}, {"end", NamesJson(style.ends)}});
+        {{"action", style.action}, {"style", style.style}, {"start_from", NamesJson(style.starts)}, {"end", NamesJson(style.ends)}});
   }
   return json;
 }
@@ -122,7 +127,8 @@ ordered_json StartsAndEndsJson(const GraphSummary& summary) {
   for (const PrimitiveSummary& primitive : summary.primitives) {
     const auto boundary = OuterBoundary(primitive);
     if (!boundary) continue;
-    json.push_back({{"style", primitive.style},
+    json.push_back({{"action", primitive.action},
+                    {"style", primitive.style},
                     {"primitive", primitive.name},
                     {"learned_from", WalkBoundaryName(*boundary)},
                     {"examples", primitive.examples},
@@ -167,7 +173,9 @@ std::string GraphDot(const GraphSummary& summary) {
 }
 
 std::string GraphText(const GraphSummary& summary) {
-  std::string text = "model " + summary.name + ", action " + summary.action + "\n";
+  std::string text = "model " + summary.name + ", action " + summary.action;
+  for (std::size_t i = 1; i < summary.actions.size(); ++i) text += (i == 1 ? "; also: " : ", ") + summary.actions[i].name;
+  text += "\n";
   text += "hash " + summary.hash + ", format " + std::to_string(summary.format_version) + "\n";
   text += "learned from " + std::to_string(summary.clips) + " clips, " + std::to_string(summary.frames) +
           Format(" frames at %.4g Hz; %d joints, unit %.6g m\n", summary.frame_rate_hz, summary.joints,
@@ -177,12 +185,13 @@ std::string GraphText(const GraphSummary& summary) {
     if (!value->empty()) text += std::string(label) + ": " + *value + "\n";
 
   for (const StyleBoundaries& style : summary.boundaries)
-    text += (style.style.empty() ? "walks" : style.style) + " can start from: " + Names(style.starts) +
+    text += (style.style.empty() ? "walks" : style.style) + (style.action == summary.action ? "" : " (" + style.action + ")") +
+            " can start from: " + Names(style.starts) +
             "; can end in: " + Names(style.ends) + "\n";
   for (const PrimitiveSummary& primitive : summary.primitives) {
     const auto boundary = OuterBoundary(primitive);
     if (!boundary) continue;
-    text += FullName(primitive) + " was learned from " + std::string(WalkBoundaryName(*boundary)) + ": " +
+    text += FullName(primitive) + (primitive.action == summary.action ? "" : " (" + primitive.action + ")") + " was learned from " + std::string(WalkBoundaryName(*boundary)) + ": " +
             std::to_string(primitive.examples - primitive.made_examples) + " captured and " +
             std::to_string(primitive.made_examples) + " made examples\n";
   }

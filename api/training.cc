@@ -46,6 +46,12 @@ TrainingSubject CheckTraining(const std::string& name, const std::optional<std::
          "'" + subject.action + "' has no key frames by feature (walk and run have); labelled examples make it possible, see the "
          "manifest's \"keyframes\"");
   }
+  for (const auto& [other, patterns] : manifest.actions) {
+    if (other == subject.action) continue;  // asked for as the model's own
+    if (!HasKeyframeFeatures(other)) {
+      fail(false, "/actions", "'" + other + "' has no key frames by feature (walk and run have)");
+    }
+  }
   if (!IsModelName(subject.action)) {
     fail(action.has_value(), "/action", "'" + subject.action + "' cannot name an action");
   }
@@ -91,16 +97,18 @@ TrainingOutcome Train(const TrainingRequest& request) {
   if (has_labels) matched = MatchLabels(labels, dataset.clips, labels_file);
   outcome.notes.insert(outcome.notes.end(), matched.notes.begin(), matched.notes.end());
   std::vector<MotionClip> read;
+  std::vector<std::string> other_actions;
   for (LoadedClip& loaded : dataset.clips) {
     if (!loaded.note.empty()) outcome.notes.push_back(loaded.clip.name + ": " + loaded.note);
     read.push_back(std::move(loaded.clip));
+    other_actions.push_back(loaded.other_action);
   }
   if (has_labels) options.find_keyframes = LearnKeyframes(read, matched.frames, labels_file);
   std::vector<TrainingClip> clips;
   int source = -1;
   for (AugmentedClip& augmented : Augment(read, AugmentationOf(manifest), request.jobs)) {
     if (!augmented.made) ++source;  // its copies follow
-    clips.push_back({std::move(augmented.clip), augmented.made, source});
+    clips.push_back({std::move(augmented.clip), augmented.made, source, other_actions.at(static_cast<std::size_t>(source))});
   }
   outcome.made = static_cast<int>(clips.size()) - outcome.clips;
   outcome.read_s = SecondsSince(started);

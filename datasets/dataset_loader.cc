@@ -198,6 +198,7 @@ Dataset LoadDataset(const std::vector<fs::path>& paths, const DatasetManifest& m
       broken[i] = error;
       return;
     }
+    dataset.clips[i].other_action = OtherAction(manifest, files[i].relative);
     dataset.clips[i].clip.style = selection.style.value_or(styles[i]);
     const MotionClip& clip = dataset.clips[i].clip;
     if ((joint_frames += std::int64_t{clip.joint_count()} * clip.frame_count()) > limits.max_joint_frames) {

@@ -24,6 +24,7 @@ struct LoadedClip {
   std::filesystem::path file;
   int first_frame = 0;         // frame of the file, from 0, that is the clip's first
   std::string note;            // what the import found worth saying, else empty
+  std::string other_action = {};  // that it shows instead of the set's own (see OtherAction); else empty
 };
 
 /// A file that was left out on purpose.

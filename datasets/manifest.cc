@@ -170,6 +170,17 @@ void ReadClips(ObjectReader* manifest, const std::string& file, std::map<std::st
   }
 }
 
+void ReadActions(ObjectReader* manifest, const std::string& file, DatasetManifest* read) {
+  const json* value = manifest->Find("actions");
+  if (!value) return;
+  ObjectReader actions(*value, manifest->Pointer("actions"), file);
+  for (const auto& [action, patterns] : value->items()) {
+    actions.Read(action, &read->actions[action]);
+    if (action.empty() || action == read->action) actions.Fail(action, "must name another action than \"action\"");
+    if (patterns.empty()) actions.Fail(action, "has no pattern of files");
+  }
+}
+
 // RE2, because it takes linear time and bounded memory and stack, whatever the pattern and the name are.
 void CheckStylePattern(const ObjectReader& manifest, const std::string& text) {
   const RE2 pattern(text, RE2::Quiet);
@@ -186,6 +197,7 @@ DatasetManifest ParseManifest(std::string_view text, const std::string& file) {
   manifest.file = file;
   reader.Read("name", &manifest.name);
   reader.Read("action", &manifest.action);
+  ReadActions(&reader, file, &manifest);
   reader.Read("source", &manifest.source);
   reader.Read("licence", &manifest.licence);
   reader.Read("attribution", &manifest.attribution);
@@ -213,14 +225,28 @@ DatasetManifest ReadManifest(const std::filesystem::path& path) {
   return ParseManifest(ReadFileText(path), path.string());
 }
 
-bool Includes(const DatasetManifest& manifest, const std::filesystem::path& relative_path) {
+namespace {
+
+bool FitsAny(const std::vector<std::string>& patterns, const std::filesystem::path& relative_path) {
   const std::string name = relative_path.filename().string();
   const std::string path = relative_path.generic_string();
-  const auto matches = [&](const std::string& pattern) {
+  return std::any_of(patterns.begin(), patterns.end(), [&](const std::string& pattern) {
     return ::fnmatch(pattern.c_str(), name.c_str(), 0) == 0 || ::fnmatch(pattern.c_str(), path.c_str(), 0) == 0;
-  };
-  if (std::any_of(manifest.exclude.begin(), manifest.exclude.end(), matches)) return false;
-  return manifest.include.empty() || std::any_of(manifest.include.begin(), manifest.include.end(), matches);
+  });
+}
+
+}  // namespace
+
+bool Includes(const DatasetManifest& manifest, const std::filesystem::path& relative_path) {
+  if (FitsAny(manifest.exclude, relative_path)) return false;
+  return manifest.include.empty() || FitsAny(manifest.include, relative_path);
+}
+
+std::string OtherAction(const DatasetManifest& manifest, const std::filesystem::path& relative_path) {
+  for (const auto& [action, patterns] : manifest.actions) {
+    if (FitsAny(patterns, relative_path)) return action;
+  }
+  return "";
 }
 
 }  // namespace morphograph

@@ -24,7 +24,8 @@ struct ClipSelection {
 /// JSON, every field optional, unknown fields are errors:
 /// ```json
 /// {
-///   "name": "bnr-walk", "action": "walk", "source": "https://...", "licence": "CC BY-NC 4.0", "attribution": "(c) ...",
+///   "name": "bnr-walk", "action": "walk", "actions": {"run": ["*_run_*"]},
+///   "source": "https://...", "licence": "CC BY-NC 4.0", "attribution": "(c) ...",
 ///   "metres_per_unit": 0.01, "up_axis": "Y", "roles": {"left_toe": "Toes_L"},
 ///   "style": "dataset-2_[a-z-]+_([a-z]+)_",
 ///   "include": ["walk*"], "exclude": ["*_033.bvh"],
@@ -33,10 +34,12 @@ struct ClipSelection {
 ///   "keyframes": "walking"
 /// }
 /// ```
-/// `keyframes` is "walking", or a `.json` file of labelled frames beside the manifest.
+/// `actions` names the files whose clips show another action than `action`: shell patterns as in `include`. `keyframes` is "walking", or a
+/// `.json` file of labelled frames beside the manifest.
 struct DatasetManifest {
   std::string name;
   std::string action = "walk";
+  std::map<std::string, std::vector<std::string>> actions;  // of files that show another one, by shell patterns
   std::string source, licence, attribution;
   ClipImportOptions import;             // metres_per_unit, up_axis, roles
   std::string style_pattern;            // regular expression (RE2), searched in the file stem; group 1 is the style
@@ -58,5 +61,8 @@ DatasetManifest ReadManifest(const std::filesystem::path& path);
 /// Whether `include` and `exclude` let a file in. Patterns know `*`, `?` and `[...]` and are held against the file name and
 /// against the path below the folder that was searched; `*` also matches `/`.
 bool Includes(const DatasetManifest& manifest, const std::filesystem::path& relative_path);
+
+/// The action that a file shows: one of `actions` whose patterns it fits (the first by name), else empty, for the action of the set.
+std::string OtherAction(const DatasetManifest& manifest, const std::filesystem::path& relative_path);
 
 }  // namespace morphograph

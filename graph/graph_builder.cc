@@ -1,6 +1,7 @@
 #include "graph/graph_builder.h"
 
 #include <algorithm>
+#include <set>
 
 #include "datasets/parallel_for.h"
 #include "graph/internal/training_progress.h"
@@ -18,19 +19,19 @@ namespace {
 constexpr double kModelRate_hz = 30;
 constexpr int kFewestPairs = 2;
 
-std::string Named(const std::string& primitive, const std::string& style) {
-  return style.empty() ? primitive : primitive + " (" + style + ")";
-}
+std::string Named(const StepClass& members) { return NameInNotes(members.primitive, members.style, members.other_action); }
 
 void NoteMissingPrimitives(const GraphContents& contents, std::vector<std::string>* notes) {
-  const std::vector<std::string> wanted = {"left_" + contents.action, "right_" + contents.action, "left_first_start",
-                                           "right_first_start",       "left_end",                 "right_end"};
-  for (const GraphStyle& style : contents.styles) {
+  for (size_t s = 0; s < contents.styles.size(); ++s) {
+    const GraphStyle& style = contents.styles[s];
+    const std::string& action = style.other_action.empty() ? contents.action : style.other_action;
+    const std::vector<std::string> wanted = {"left_" + action,    "right_" + action, "left_first_start",
+                                             "right_first_start", "left_end",        "right_end"};
     for (const std::string& name : wanted) {
       const bool there = std::any_of(contents.primitives.begin(), contents.primitives.end(), [&](const MotionPrimitive& p) {
-        return p.style == style.name && p.name == name;
+        return p.style_index == static_cast<int>(s) && p.name == name;
       });
-      const std::string label = name + (style.name.empty() ? "" : " (" + style.name + ")");
+      const std::string label = NameInNotes(name, style.name, style.other_action);
       const bool noted = std::any_of(notes->begin(), notes->end(),
                                      [&](const std::string& note) { return note.starts_with(label + ": only"); });
       if (!there && !noted) {
@@ -51,7 +52,7 @@ std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<Fitted
   std::erase_if(pairs, [&](const StepPairs& list) {
     if (list.size() >= kFewestPairs) return false;
     const StepClass &from = set.classes[list.from], &to = set.classes[list.to];
-    notes->push_back(Named(from.primitive, from.style) + " to " + Named(to.primitive, to.style) + ": seen " + std::to_string(list.size()) +
+    notes->push_back(Named(from) + " to " + Named(to) + ": seen " + std::to_string(list.size()) +
                      " time, at least " + std::to_string(kFewestPairs) + " are needed for a transition; left out");
     return true;
   });
@@ -107,11 +108,10 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   progress.Begin("primitives", 0.25, 0.6, static_cast<int>(classes.size()));
   std::vector<FittedPrimitive> fitted(classes.size());
   ParallelFor(options.jobs, static_cast<int>(classes.size()), [&](int c) {
-    const auto style = std::find_if(contents.styles.begin(), contents.styles.end(),
-                                    [&](const GraphStyle& s) { return s.name == classes[c].style; });
-    fitted[c] = FitPrimitive(prepared, set.steps, classes[c], set.layout, style->mean_rotations, set.channel_weights,
+    const GraphStyle& style = StyleOf(set, classes[c]);
+    fitted[c] = FitPrimitive(prepared, set.steps, classes[c], set.layout, style.mean_rotations, set.channel_weights,
                              {.variance_kept = options.variance_kept, .seed = options.seed, .variant = options.variant});
-    fitted[c].primitive.style_index = static_cast<int>(style - contents.styles.begin());
+    fitted[c].primitive.style_index = static_cast<int>(&style - set.styles.data());
     progress.Step();
   });
   if (options.variant.manner) FitManners(set, &fitted);
@@ -119,10 +119,17 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 
   NoteMissingPrimitives(contents, &notes);
+  std::set<std::string> other_actions;
+  for (const GraphStyle& style : contents.styles) other_actions.insert(style.other_action);
+  for (const std::string& other : other_actions) {
+    if (!other.empty()) {
+      notes.push_back(contents.action + " to " + other + " and back: no transitions, as every clip shows one action from beginning to end");
+    }
+  }
   for (size_t p = 0; p < contents.primitives.size(); ++p) {
     const bool leaves = std::any_of(contents.edges.begin(), contents.edges.end(),
                                     [&](const GraphEdge& edge) { return edge.from == static_cast<int>(p); });
-    if (!leaves) notes.push_back(Named(contents.primitives[p].name, contents.primitives[p].style) + ": dead end, no transition leaves it");
+    if (!leaves) notes.push_back(Named(classes[p]) + ": dead end, no transition leaves it");
   }
   progress.Begin("model", 0.95, 1.0, 1);
   // What is returned is what a reader of the file gets, to the last bit.

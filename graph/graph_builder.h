@@ -25,7 +25,7 @@ using KeyframeFinder = std::function<std::vector<Keyframe>(const MotionClip&)>;
 struct TrainingOptions {
   std::string name = "walk";
   std::string action = "walk";    // steps are called "<side>_<action>"
-  /// Where steps begin and end; by the features of the action (KeyframeOptionsFor) when empty, so that only actions that are known
+  /// Where steps of that action begin and end; by its features (KeyframeOptionsFor) when empty, so that only actions that are known
   /// there can be learned without it. Called from several threads.
   KeyframeFinder find_keyframes = {};
   int jobs = 1;                   // threads; the result does not depend on it
@@ -42,9 +42,11 @@ struct TrainingClip {
   MotionClip clip;
   bool made = false;
   int source = -1;  // a number for the captured clip that a copy was made of, the same for all its copies; -1: none but itself
+  std::string other_action = {};  // that it shows instead of `TrainingOptions::action`, found by its features; else empty
 };
 
-/// Learns a motion graph from clips (METHODS sections 1-3).
+/// Learns a motion graph from clips (METHODS sections 1-3). Clips of another action become primitives of their own, beside those of the
+/// graph's action, which they leave as they are.
 /// @throws DatasetError when nothing can be learned (no leg roles, no two consecutive steps in any clip, an unknown action), saying
 ///   why and, where one clip is at fault, which; TrainingCancelled.
 std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& clips, const TrainingOptions& options);

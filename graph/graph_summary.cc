@@ -39,6 +39,7 @@ PrimitiveSummary SummarisePrimitive(const MotionGraph& graph, int id) {
   PrimitiveSummary summary;
   summary.name = primitive.name;
   summary.style = primitive.style;
+  summary.action = graph.action_of(graph.styles()[static_cast<size_t>(primitive.style_index)]);
   summary.start = primitive.start;
   summary.end = primitive.end;
   summary.examples = primitive.examples;
@@ -60,7 +61,7 @@ GraphSummary Summarise(const MotionGraph& graph) {
   summary.name = graph.name();
   summary.hash = graph.hash();
   summary.action = graph.action();
-  summary.format_version = kModelFormatVersion;
+  summary.format_version = FormatVersionOf(graph);
   summary.joints = graph.skeleton().joint_count();
   summary.frame_rate_hz = graph.frame_rate_hz();
   summary.metres_per_unit = graph.skeleton().metres_per_unit();
@@ -73,6 +74,7 @@ GraphSummary Summarise(const MotionGraph& graph) {
   summary.command = provenance.command;
   summary.notes = provenance.notes;
   summary.styles = graph.style_names();
+  for (const std::string& action : graph.action_names()) summary.actions.push_back({action, graph.style_names(action)});
   summary.boundaries = FindBoundaries(graph);
   for (int p = 0; p < graph.primitive_count(); ++p) summary.primitives.push_back(SummarisePrimitive(graph, p));
   for (int e = 0; e < graph.edge_count(); ++e) {

@@ -19,6 +19,7 @@ struct ContactSummary {
 struct PrimitiveSummary {
   std::string name;   // "left_walk", "right_first_start", …
   std::string style;  // empty where the data has none
+  std::string action;
   KeyframeLabel start = KeyframeLabel::kLeftStance;
   KeyframeLabel end = KeyframeLabel::kRightStance;
   int examples = 0;       // segments it was learned from
@@ -45,11 +46,18 @@ struct EdgeSummary {
   double unseen_error = 0;  // see TransitionModel
 };
 
+/// An action and the styles that show it.
+struct ActionSummary {
+  std::string name;
+  std::vector<std::string> styles;
+};
+
 /// What `inspect` and `GET /v1/models/{name}` tell of a model.
 struct GraphSummary {
   std::string name;
   std::string hash;    // content hash, hex
-  std::string action;  // "walk"
+  std::string action;  // its own, that clips show unless another is asked for: "walk"
+  std::vector<ActionSummary> actions;  // that one first
   int format_version = 0;
   int joints = 0;
   double frame_rate_hz = 0;
@@ -60,8 +68,8 @@ struct GraphSummary {
   std::string licence;      // and under which terms
   std::string attribution;  // text that must be kept, may be empty
   std::string command;      // that made the model, may be empty
-  std::vector<std::string> styles;
-  std::vector<StyleBoundaries> boundaries;  // how each style can start and end
+  std::vector<std::string> styles;          // of its own action
+  std::vector<StyleBoundaries> boundaries;  // how each style of each action can start and end
   std::vector<std::string> notes;  // what training could not learn, dead ends, …
   std::vector<PrimitiveSummary> primitives;
   std::vector<EdgeSummary> edges;

@@ -84,18 +84,18 @@ namespace {
 
 // A walk's manner is drawn by the steps of all primitives of its style, and must not move the mean of any of them.
 void CentreManners(std::vector<FittedPrimitive>* fitted) {
-  std::map<std::string, Eigen::VectorXd> weights;  // per style: steps of every walk
+  std::map<int, Eigen::VectorXd> weights;  // per style: steps of every walk
   for (const FittedPrimitive& f : *fitted) {
     const MannerModel& manner = f.primitive.manner;
     if (manner.empty()) continue;
-    Eigen::VectorXd& of_style = weights.try_emplace(f.primitive.style, Eigen::VectorXd::Zero(manner.walks())).first->second;
+    Eigen::VectorXd& of_style = weights.try_emplace(f.primitive.style_index, Eigen::VectorXd::Zero(manner.walks())).first->second;
     of_style += Eigen::Map<const Eigen::VectorXi>(manner.steps.data(), manner.walks()).cast<double>();
   }
   for (FittedPrimitive& f : *fitted) {
     MannerModel& manner = f.primitive.manner;
     if (manner.empty()) continue;
     const Eigen::VectorXd known = (Eigen::Map<const Eigen::VectorXi>(manner.steps.data(), manner.walks()).array() > 0).cast<double>();
-    const Eigen::VectorXd shares = weights.at(f.primitive.style).cwiseProduct(known);
+    const Eigen::VectorXd shares = weights.at(f.primitive.style_index).cwiseProduct(known);
     const Eigen::VectorXd centre = manner.captured.cast<double>() * shares / shares.sum();
     manner.captured -= centre.cast<float>() * known.cast<float>().transpose();
     f.manners.colwise() -= centre;
@@ -121,10 +121,10 @@ void FitManners(const TrainingSet& set, std::vector<FittedPrimitive>* fitted) {
   }
   const bool all_made = std::all_of(set.clips.begin(), set.clips.end(), [](const PreparedClip& clip) { return clip.made; });
   const auto teaches = [&](int clip) { return all_made || !set.clips[clip].made; };
-  std::map<std::string, std::map<int, int>> walks;  // per style: number of each clip that manners are learned from
-  for (const StepClass& members : set.classes) {
-    for (const int step : members.members) {
-      if (teaches(set.steps[step].clip)) walks[members.style].emplace(set.steps[step].clip, 0);
+  std::map<int, std::map<int, int>> walks;  // per style: number of each clip that manners are learned from
+  for (size_t c = 0; c < set.classes.size(); ++c) {
+    for (const int step : set.classes[c].members) {
+      if (teaches(set.steps[step].clip)) walks[(*fitted)[c].primitive.style_index].emplace(set.steps[step].clip, 0);
     }
   }
   for (auto& [style, numbers] : walks) {
@@ -144,7 +144,8 @@ void FitManners(const TrainingSet& set, std::vector<FittedPrimitive>* fitted) {
     }
     const std::map<int, std::vector<int>> places = SteadyByClip(set, members);
     MannerSteps steps;
-    steps.walks = static_cast<int>(walks[members.style].size());
+    std::map<int, int>& numbers = walks[primitive.primitive.style_index];
+    steps.walks = static_cast<int>(numbers.size());
     steps.component_weights.resize(mixture.size());
     for (int k = 0; k < mixture.size(); ++k) steps.component_weights[k] = std::exp(mixture.Component(k).log_weight);
     std::vector<int> used;
@@ -154,7 +155,7 @@ void FitManners(const TrainingSet& set, std::vector<FittedPrimitive>* fitted) {
         const int step = members.members[m];
         used.push_back(m);
         steps.component.push_back(components[m]);
-        steps.walk.push_back(walks[members.style].at(clip));
+        steps.walk.push_back(numbers.at(clip));
         steps.ordinal.push_back(ordinals[step]);
         steps.seconds.push_back(set.steps[step].span.frames() / set.clips[clip].clip.frame_rate_hz());
       }

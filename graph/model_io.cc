@@ -30,6 +30,9 @@ constexpr size_t kCheckedBytes = 24;  // of the header; the checksum follows
 constexpr int kCompressionLevel = 12;
 constexpr std::uint64_t kLargestPayload = 1ull << 30;
 
+// A program that knows one action a model would mix them up, so models of several are no file of that version.
+constexpr int kOneActionVersion = 2;
+
 constexpr const char* kEulerName = "euler";  // of rotations; log maps are not named
 
 constexpr std::array kLabels = {KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance, KeyframeLabel::kDoubleStance,
@@ -72,11 +75,13 @@ json StyleToJson(const GraphStyle& style, ArrayWriter* arrays) {
     heights.col(side) << style.feet.heel_height_m[side], style.feet.ball_height_m[side];
     lowest.col(side) << style.feet.heel_lowest_m[side], style.feet.ball_lowest_m[side];
   }
-  return {{"name", style.name},
-          {"mean_rotations", arrays->Doubles(rotations)},
-          {"heel_offset_m", arrays->Doubles(heels)},
-          {"feet_heights_m", arrays->Doubles(heights)},
-          {"feet_lowest_m", arrays->Doubles(lowest)}};
+  json value = {{"name", style.name},
+                {"mean_rotations", arrays->Doubles(rotations)},
+                {"heel_offset_m", arrays->Doubles(heels)},
+                {"feet_heights_m", arrays->Doubles(heights)},
+                {"feet_lowest_m", arrays->Doubles(lowest)}};
+  if (!style.other_action.empty()) value["action"] = style.other_action;
+  return value;
 }
 
 json MixtureToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
@@ -170,6 +175,7 @@ json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
 GraphStyle StyleFromJson(const json& value, const ArrayReader& arrays) {
   GraphStyle style;
   style.name = value.at("name").get<std::string>();
+  style.other_action = value.value("action", std::string());  // from version 3 on, and of other actions only
   const Eigen::MatrixXd rotations = arrays.Doubles(value.at("mean_rotations"));
   const Eigen::MatrixXd heels = arrays.Doubles(value.at("heel_offset_m"));
   const Eigen::MatrixXd heights = arrays.Doubles(value.at("feet_heights_m"));
@@ -334,6 +340,8 @@ std::string Decompress(std::string_view compressed, std::uint64_t size) {
 
 }  // namespace
 
+int FormatVersionOf(const MotionGraph& graph) { return graph.action_names().size() > 1 ? kModelFormatVersion : kOneActionVersion; }
+
 std::string SerialiseModel(const MotionGraph& graph) {
   ArrayWriter arrays;
   const std::string text = GraphToJson(graph, &arrays).dump(-1, ' ', false, json::error_handler_t::replace);
@@ -343,7 +351,7 @@ std::string SerialiseModel(const MotionGraph& graph) {
   payload += arrays.bytes();
 
   std::string bytes(kMagic);
-  Put<std::uint32_t>(&bytes, kModelFormatVersion);
+  Put<std::uint32_t>(&bytes, static_cast<std::uint32_t>(FormatVersionOf(graph)));
   Put<std::uint32_t>(&bytes, 0);
   Put<std::uint64_t>(&bytes, payload.size());
   Put<std::uint64_t>(&bytes, 0);  // the checksum, below

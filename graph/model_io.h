@@ -9,8 +9,10 @@
 
 namespace morphograph {
 
-/// Version of the model file that is written; older ones are read too.
-inline constexpr int kModelFormatVersion = 2;
+/// Newest version of the model file; older ones are read too.
+inline constexpr int kModelFormatVersion = 3;
+/// Version that a model is written in: the oldest whose readers understand it.
+int FormatVersionOf(const MotionGraph& graph);
 
 /// The model file's bytes; the same graph gives the same bytes. Format: see graph/MODEL_FORMAT.md.
 std::string SerialiseModel(const MotionGraph& graph);

@@ -96,6 +96,7 @@ MotionGraph::MotionGraph(GraphContents contents, std::string hash) {
   for (const GraphStyle& style : contents.styles) {
     Require(static_cast<int>(style.mean_rotations.size()) == contents.layout.skeleton().joint_count(),
             "mean rotations of style '" + style.name + "' do not fit the skeleton");
+    Require(style.other_action.empty() || style.other_action != contents.action, "style '" + style.name + "' names the graph's own action as another");
   }
   auto storage = std::make_unique<Storage>();
   for (const MotionPrimitive& primitive : contents.primitives) CheckPrimitive(primitive, contents);
@@ -135,11 +136,20 @@ const std::shared_ptr<const Skeleton>& MotionGraph::shared_skeleton() const {
 }
 const std::vector<GraphStyle>& MotionGraph::styles() const { return storage_->header.styles; }
 
-std::vector<std::string> MotionGraph::style_names() const {
+std::vector<std::string> MotionGraph::style_names(const std::string& action) const {
   std::vector<std::string> names;
   for (const GraphStyle& style : styles()) {
-    if (!style.name.empty()) names.push_back(style.name);
+    if (!style.name.empty() && action_of(style) == action) names.push_back(style.name);
   }
+  return names;
+}
+
+std::vector<std::string> MotionGraph::action_names() const {
+  std::set<std::string> others;
+  for (const GraphStyle& style : styles()) others.insert(action_of(style));
+  others.erase(action());
+  std::vector<std::string> names(others.begin(), others.end());
+  names.insert(names.begin(), action());
   return names;
 }
 

@@ -32,10 +32,12 @@ struct FeetGeometry {
   double ball_lowest_m[2] = {0, 0};
 };
 
+/// A style of one action: what a walk keeps to from its first step to its last.
 struct GraphStyle {
   std::string name;  // empty where the data has no styles
-  MeanRotations mean_rotations;
+  MeanRotations mean_rotations;  // the same for all actions of a style
   FeetGeometry feet;
+  std::string other_action = {};  // than the graph's own; empty: that one
 };
 
 struct GraphEdge {
@@ -78,8 +80,14 @@ class MotionGraph {
   const Skeleton& skeleton() const;
   const std::shared_ptr<const Skeleton>& shared_skeleton() const;
   const std::vector<GraphStyle>& styles() const;
-  /// Names of the styles, without the empty one.
-  std::vector<std::string> style_names() const;
+  /// Names of the styles of the graph's own action, without the empty one.
+  std::vector<std::string> style_names() const { return style_names(action()); }
+  /// Of any action.
+  std::vector<std::string> style_names(const std::string& action) const;
+  /// The action of one of `styles()`.
+  const std::string& action_of(const GraphStyle& style) const { return style.other_action.empty() ? action() : style.other_action; }
+  /// The graph's own action, then others, sorted by name.
+  std::vector<std::string> action_names() const;
 
   int primitive_count() const;
   const MotionPrimitive& primitive(int id) const;

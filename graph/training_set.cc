@@ -57,6 +57,7 @@ std::vector<PreparedClip> PrepareClips(const std::vector<TrainingClip>& clips, c
       prepared[i].clip = std::move(clip);
       prepared[i].made = clips[i].made;
       prepared[i].source = clips[i].source >= 0 ? clips[i].source : -1 - i;
+      if (clips[i].other_action != options.action) prepared[i].other_action = clips[i].other_action;
     }
     progress->Step();
   });
@@ -81,7 +82,7 @@ std::vector<StepClass> UsableClasses(const std::vector<PreparedClip>& clips, con
     if (steady >= needed) {
       usable.push_back(std::move(group));
     } else {
-      notes->push_back(group.primitive + (group.style.empty() ? "" : " (" + group.style + ")") + ": only " +
+      notes->push_back(NameInNotes(group.primitive, group.style, group.other_action) + ": only " +
                        std::to_string(steady) + " examples, at least " + std::to_string(needed) + " are needed; left out");
     }
   }
@@ -90,15 +91,15 @@ std::vector<StepClass> UsableClasses(const std::vector<PreparedClip>& clips, con
 
 std::vector<GraphStyle> MakeStyles(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps,
                                    const std::vector<StepClass>& classes, const PoseLayout& layout, const std::string& action) {
-  std::set<std::string> names;
-  for (const StepClass& group : classes) names.insert(group.style);
+  std::set<std::pair<std::string, std::string>> names;
+  for (const StepClass& group : classes) names.insert({group.other_action, group.style});
   std::vector<GraphStyle> styles;
-  for (const std::string& name : names) {
+  for (const auto& [other_action, name] : names) {
     // Slow steps count where they would as walking steps, so that walks do not depend on what became of them, to the last bit.
     std::map<std::string, std::vector<int>> in_order;
     for (const StepClass& group : classes) {
-      if (group.style != name) continue;
-      for (const int i : group.members) in_order[WalkingNameOf(steps[i], action)].push_back(i);
+      if (group.style != name || group.other_action != other_action) continue;
+      for (const int i : group.members) in_order[WalkingNameOf(steps[i], clips[steps[i].clip].ActionOr(action))].push_back(i);
     }
     std::vector<StepOfClip> style_steps;
     for (auto& [kind, members] : in_order) {
@@ -107,9 +108,12 @@ std::vector<GraphStyle> MakeStyles(const std::vector<PreparedClip>& clips, const
     }
     std::vector<const PreparedClip*> style_clips;
     for (const PreparedClip& clip : clips) {
-      if (clip.clip.style == name) style_clips.push_back(&clip);
+      if (clip.clip.style == name && clip.other_action == other_action) style_clips.push_back(&clip);
     }
-    styles.push_back({name, MeanOverSteps(style_steps, layout), MeasureFeet(style_clips)});
+    // One set of means for all actions of a style, so that steps of one can be mixed with those of another.
+    const auto usual = std::find_if(styles.begin(), styles.end(), [&](const GraphStyle& s) { return s.name == name; });
+    styles.push_back({name, usual != styles.end() ? usual->mean_rotations : MeanOverSteps(style_steps, layout),
+                      MeasureFeet(style_clips), other_action});
   }
   return styles;
 }
@@ -118,7 +122,7 @@ std::vector<GraphStyle> MakeStyles(const std::vector<PreparedClip>& clips, const
 
 const GraphStyle& StyleOf(const TrainingSet& set, const StepClass& members) {
   for (const GraphStyle& style : set.styles) {
-    if (style.name == members.style) return style;
+    if (style.name == members.style && style.other_action == members.other_action) return style;
   }
   throw std::out_of_range("StyleOf: the set has no style '" + members.style + "'");
 }
@@ -128,6 +132,10 @@ TrainingSet PrepareTrainingSet(const std::vector<TrainingClip>& clips, const Tra
   if (!options.find_keyframes && !HasKeyframeFeatures(options.action)) {
     throw DatasetError(options.name, "no key frames are known by feature for action '" + options.action +
                                          "'; name labelled examples in a manifest's \"keyframes\"");
+  }
+  for (const TrainingClip& clip : clips) {
+    if (clip.other_action.empty() || clip.other_action == options.action || HasKeyframeFeatures(clip.other_action)) continue;
+    throw DatasetError(clip.clip.name, "no key frames are known by feature for action '" + clip.other_action + "'");
   }
   TrainingProgress unheard(options);
   if (!progress) progress = &unheard;

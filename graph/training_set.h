@@ -16,9 +16,9 @@ class TrainingProgress;
 struct TrainingSet {
   std::vector<PreparedClip> clips;  // usable ones, on the skeleton of the first
   std::vector<TrainingStep> steps;
-  std::vector<StepClass> classes;   // with enough steady steps, sorted by style and name
+  std::vector<StepClass> classes;   // with enough steady steps, sorted by action (the usual one first), style and name
   PoseLayout layout;
-  std::vector<GraphStyle> styles;   // of the classes, sorted by name
+  std::vector<GraphStyle> styles;   // of the classes, sorted by action and name
   Eigen::VectorXd channel_weights;  // PoseLayout::ChannelWeights; one set for all, so that classes compare
   std::vector<std::string> notes;   // what had to be left out
 };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
+#include <tuple>
 
 #include "datasets/error_reason.h"
 #include "datasets/errors.h"
@@ -27,14 +28,22 @@ constexpr double kLowestPart = 0.05;
 
 std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action,
                                     const KeyframeFinder& find_keyframes) {
-  KeyframeFinder find = find_keyframes;
-  if (!find) {
-    find = [options = KeyframeOptionsFor(action)](const MotionClip& clip) { return DetectKeyframes(clip, options); };
+  std::map<std::string, KeyframeFinder> finders;  // by action
+  for (const PreparedClip& clip : clips) {
+    const std::string& shown = clip.ActionOr(action);
+    KeyframeFinder& find = finders[shown];
+    if (find) continue;
+    if (find_keyframes && clip.other_action.empty()) {
+      find = find_keyframes;
+    } else {
+      find = [options = KeyframeOptionsFor(shown)](const MotionClip& of) { return DetectKeyframes(of, options); };
+    }
   }
   std::vector<std::vector<Segment>> per_clip(clips.size());
   ParallelFor(jobs, static_cast<int>(clips.size()), [&](int c) {
     try {
-      per_clip[c] = Decompose(clips[c].clip, c, find(clips[c].clip), {.action = action});
+      const std::string& shown = clips[c].ActionOr(action);
+      per_clip[c] = Decompose(clips[c].clip, c, finders.at(shown)(clips[c].clip), {.action = shown});
     } catch (const std::invalid_argument& unfit) {
       throw DatasetError(clips[c].clip.name, ReasonOf(unfit));
     }
@@ -56,6 +65,11 @@ std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int 
   return steps;
 }
 
+std::string NameInNotes(const std::string& primitive, const std::string& style, const std::string& other_action) {
+  if (style.empty() && other_action.empty()) return primitive;
+  return primitive + " (" + style + (style.empty() || other_action.empty() ? "" : ", ") + other_action + ")";
+}
+
 std::string WalkingNameOf(const TrainingStep& step, const std::string& action) {
   return step.slow_step ? step.primitive.substr(0, step.primitive.find('_') + 1) + action : step.primitive;
 }
@@ -65,8 +79,10 @@ std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips,
   struct Found {
     int out_of_standing = 0, slow = 0;
   };
-  std::map<std::pair<std::string, std::string>, Found> found;
-  const auto key = [&](const TrainingStep& step) { return std::pair{clips[step.clip].clip.style, step.primitive}; };
+  std::map<std::tuple<std::string, std::string, std::string>, Found> found;
+  const auto key = [&](const TrainingStep& step) {
+    return std::tuple{clips[step.clip].other_action, clips[step.clip].clip.style, step.primitive};
+  };
   for (const TrainingStep& step : *steps) {
     if (step.slow_step) {
       ++found[key(step)].slow;
@@ -75,10 +91,10 @@ std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips,
     }
   }
   std::vector<std::string> notes;
-  for (const auto& [style_and_name, count] : found) {
-    const auto& [style, name] = style_and_name;
+  for (const auto& [kind, count] : found) {
+    const auto& [other_action, style, name] = kind;
     if (count.slow == 0 || count.slow >= fewest || count.out_of_standing >= fewest) continue;
-    notes.push_back(name + (style.empty() ? "" : " (" + style + ")") + ": only " + std::to_string(count.slow) +
+    notes.push_back(NameInNotes(name, style, other_action) + ": only " + std::to_string(count.slow) +
                     " examples that are slow steps of a walk, at least " + std::to_string(fewest) + " are needed; left out");
   }
   for (TrainingStep& step : *steps) {
@@ -86,7 +102,7 @@ std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips,
     const Found& all = found[key(step)];
     if (all.out_of_standing < fewest && all.slow >= fewest) continue;
     const bool left = step.primitive.starts_with("left");
-    step.primitive = WalkingNameOf(step, action);
+    step.primitive = WalkingNameOf(step, clips[step.clip].ActionOr(action));
     const KeyframeLabel landed = left ? KeyframeLabel::kLeftStance : KeyframeLabel::kRightStance;
     const KeyframeLabel stood = left ? KeyframeLabel::kRightStance : KeyframeLabel::kLeftStance;
     step.start = stood;
@@ -103,12 +119,15 @@ std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips,
 }
 
 std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps) {
-  std::map<std::pair<std::string, std::string>, std::vector<int>> groups;
+  std::map<std::tuple<std::string, std::string, std::string>, std::vector<int>> groups;
   for (size_t i = 0; i < steps.size(); ++i) {
-    groups[{clips[steps[i].clip].clip.style, steps[i].primitive}].push_back(static_cast<int>(i));
+    const PreparedClip& clip = clips[steps[i].clip];
+    groups[{clip.other_action, clip.clip.style, steps[i].primitive}].push_back(static_cast<int>(i));
   }
   std::vector<StepClass> classes;
-  for (auto& [key, members] : groups) classes.push_back({key.first, key.second, std::move(members)});
+  for (auto& [kind, members] : groups) {
+    classes.push_back({std::get<0>(kind), std::get<1>(kind), std::get<2>(kind), std::move(members)});
+  }
   return classes;
 }
 

@@ -18,6 +18,9 @@ struct PreparedClip {
   ContactTrack contacts;
   bool made = false;
   int source = 0;  // equal for the copies of one captured clip
+  std::string other_action = {};  // see TrainingClip
+
+  const std::string& ActionOr(const std::string& usual) const { return other_action.empty() ? usual : other_action; }
 };
 
 /// A segment of the capture, one step.
@@ -39,15 +42,16 @@ inline bool IsWalking(KeyframeLabel label) {
 /// A step between two landings, neither a start nor an end.
 inline bool IsWalkStep(const TrainingStep& step) { return IsWalking(step.start) && IsWalking(step.end); }
 
-/// Steps of one kind and style, indices into the list of steps.
+/// Steps of one kind, style and action, indices into the list of steps.
 struct StepClass {
+  std::string other_action;  // see TrainingClip
   std::string style;
   std::string primitive;
   std::vector<int> members;
 };
 
 /// Finds the steps of every clip (key frames, then decomposition), clip after clip, in time order.
-/// @param find_keyframes  when empty, by the features of the action.
+/// @param action  of clips that show no other. @param find_keyframes  of these; when empty, by the features of the action.
 /// @throws DatasetError naming the clip whose key frames cannot be found.
 std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int jobs, const std::string& action,
                                     const KeyframeFinder& find_keyframes = {});
@@ -60,10 +64,13 @@ std::vector<TrainingStep> FindSteps(const std::vector<PreparedClip>& clips, int 
 std::vector<std::string> SettleSlowSteps(const std::vector<PreparedClip>& clips, const std::string& action, int fewest,
                                          std::vector<TrainingStep>* steps);
 
+/// How notes name a primitive: "left_walk (elderly)", "left_end (elderly, run)".
+std::string NameInNotes(const std::string& primitive, const std::string& style, const std::string& other_action);
+
 /// What a step is called as a walking step: a slow first step is one too, other steps keep their name.
 std::string WalkingNameOf(const TrainingStep& step, const std::string& action);
 
-/// Groups steps by style and primitive, sorted by name.
+/// Groups steps by action, style and primitive, sorted by name, the usual action first.
 std::vector<StepClass> GroupSteps(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps);
 
 /// Joints that move at all in some clip, the moving root first.

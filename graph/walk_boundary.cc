@@ -52,6 +52,7 @@ std::vector<StyleBoundaries> FindBoundaries(const MotionGraph& graph) {
       }
     }
     StyleBoundaries& found = styles.emplace_back();
+    found.action = graph.action_of(graph.styles()[s]);
     found.style = graph.styles()[s].name;
     for (const WalkBoundary boundary : kBoundaries) {
       if (starts[static_cast<size_t>(boundary)]) found.starts.push_back(boundary);

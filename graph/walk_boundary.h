@@ -32,6 +32,7 @@ inline bool IsSteady(const MotionPrimitive& primitive) {
 
 /// How walks of one style can begin and end; both hold kWalking where the style walks at all. In the order of WalkBoundary.
 struct StyleBoundaries {
+  std::string action;
   std::string style;  // empty where the data has no styles
   std::vector<WalkBoundary> starts;
   std::vector<WalkBoundary> ends;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <random>
 #include <vector>
 
@@ -28,7 +29,19 @@ bool Holds(const std::vector<WalkBoundary>& boundaries, WalkBoundary wanted) {
   return std::find(boundaries.begin(), boundaries.end(), wanted) != boundaries.end();
 }
 
+// The action asked for. @throws UnsatisfiableRequest where the graph has not learned it.
+std::string ActionOf(const MotionGraph& graph, const SynthesisRequest& request) {
+  const std::vector<std::string> actions = graph.action_names();
+  if (!request.action) return actions.front();
+  if (std::find(actions.begin(), actions.end(), *request.action) == actions.end()) {
+    throw UnsatisfiableRequest("/action", "the model has no action '" + *request.action + "'; it has " +
+                                              Listed(actions, [](const std::string& action) { return action; }));
+  }
+  return *request.action;
+}
+
 // Refuses a start or an end that the chosen style (any, where none was chosen) has not learned.
+// @param styles  of the action asked for.
 void CheckBoundaries(const std::vector<StyleBoundaries>& styles, const SynthesisRequest& request) {
   const auto check = [&](const char* pointer, const char* verb, WalkBoundary wanted, auto member) {
     if (wanted == WalkBoundary::kWalking) return;
@@ -53,20 +66,32 @@ void CheckBoundaries(const std::vector<StyleBoundaries>& styles, const Synthesis
 
 int DrawStyle(const MotionGraph& graph, const SynthesisRequest& request, std::mt19937_64& rng) {
   const auto& styles = graph.styles();
-  const auto named = std::find_if(styles.begin(), styles.end(), [&](const GraphStyle& s) { return s.name == request.style; });
+  const std::string action = ActionOf(graph, request);
+  const auto shows = [&](const GraphStyle& style) { return graph.action_of(style) == action; };
+  const auto named = std::find_if(styles.begin(), styles.end(), [&](const GraphStyle& s) { return s.name == request.style && shows(s); });
   if (request.style && named == styles.end()) {
-    throw UnsatisfiableRequest("/style", "the model has no style '" + *request.style + "'; it has " +
-                                             Listed(graph.style_names(), [](const std::string& style) { return style; }));
+    throw UnsatisfiableRequest("/style", "the model has no style '" + *request.style + "'" +
+                                             (graph.action_names().size() > 1 ? " of action '" + action + "'" : "") + "; it has " +
+                                             Listed(graph.style_names(action), [](const std::string& style) { return style; }));
   }
   const bool walking = request.start_from == WalkBoundary::kWalking && request.end == WalkBoundary::kWalking;
   const std::vector<StyleBoundaries> boundaries = walking ? std::vector<StyleBoundaries>() : FindBoundaries(graph);
-  if (!walking) CheckBoundaries(boundaries, request);
+  if (!walking) {
+    std::vector<StyleBoundaries> of_action;
+    std::copy_if(boundaries.begin(), boundaries.end(), std::back_inserter(of_action),
+                 [&](const StyleBoundaries& style) { return style.action == action; });
+    CheckBoundaries(of_action, request);
+  }
   if (request.style) return static_cast<int>(named - styles.begin());
   std::vector<double> weights(styles.size(), 0);
   for (int p = 0; p < graph.primitive_count(); ++p) {
-    if (IsSteady(graph.primitive(p))) weights[graph.primitive(p).style_index] += graph.primitive(p).initial_weight;
+    const MotionPrimitive& primitive = graph.primitive(p);
+    if (IsSteady(primitive) && shows(styles[static_cast<size_t>(primitive.style_index)])) {
+      weights[primitive.style_index] += primitive.initial_weight;
+    }
   }
   for (size_t b = 0; b < boundaries.size(); ++b) {
+    // Boundaries are in the order of the styles.
     if (!Holds(boundaries[b].starts, request.start_from) || !Holds(boundaries[b].ends, request.end)) weights[b] = 0;
   }
   const int drawn = DrawIndex(weights, rng);
@@ -93,6 +118,8 @@ SynthesisReport Report(const MotionGraph& graph, const SynthesisRequest& request
   report.seed = request.seed;
   report.model_name = graph.name();
   report.model_hash = graph.hash();
+  const int style = graph.primitive(walk.steps.front().step.primitive).style_index;
+  report.action = graph.action_of(graph.styles()[static_cast<size_t>(style)]);
   report.style = clip.style;
   report.frames = walk.frames;
   report.duration_s = clip.duration_s();

@@ -36,7 +36,8 @@ struct StartGiven {
 /// that does not end inside the walk has as many steps as bring it nearest to its duration.
 struct SynthesisRequest {
   std::uint64_t seed = 0;
-  std::optional<std::string> style;   // any of the graph's styles; drawn by the seed when empty
+  std::optional<std::string> action;  // any of the graph's actions; its own when empty
+  std::optional<std::string> style;   // any of that action's styles; drawn by the seed when empty
   std::optional<double> duration_s;   // (0, kMaxDuration_s]
   std::optional<int> steps;           // [1, kMaxSteps]
   StartPose start;
@@ -77,6 +78,7 @@ struct SynthesisReport {
   std::uint64_t seed = 0;
   std::string model_name;
   std::string model_hash;
+  std::string action;
   std::string style;
   double duration_s = 0;
   int frames = 0;

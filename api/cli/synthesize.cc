@@ -29,7 +29,7 @@ struct SynthesizeFlags {
   std::optional<double> duration_s, frame_rate_hz, heading_deg;
   std::vector<double> position_m;
   std::optional<int> steps;
-  std::optional<std::string> style, channels, unit, start_from, end;
+  std::optional<std::string> action, style, channels, unit, start_from, end;
   std::optional<int> count;
 };
 
@@ -55,6 +55,7 @@ ClipRequest RequestFrom(const SynthesizeFlags& flags) {
     if (!request.seed)
       throw UsageError("--seed: '" + flags.seed + "' is not an integer from 0 to 18446744073709551615");
   }
+  if (flags.action) request.action = flags.action;
   if (flags.style) request.style = flags.style;
   if (flags.heading_deg) request.start_heading_deg = *flags.heading_deg;
   if (!flags.position_m.empty()) request.start_position_m = Eigen::Vector2d(flags.position_m[0], flags.position_m[1]);
@@ -167,7 +168,8 @@ void AddSynthesize(CLI::App* program, Work* work) {
   verb->add_option("--seed", flags->seed, "64-bit unsigned integer; drawn when absent");
   verb->add_option("--count", flags->count, "Clips to make, with seeds N, N+1, ...; --out is a folder then")
       ->check(CLI::Range(1, 1'000'000));
-  verb->add_option("--style", flags->style, "One of the model's styles");
+  verb->add_option("--action", flags->action, "One of the model's actions; its own when absent");
+  verb->add_option("--style", flags->style, "One of the styles of that action");
   verb->add_option("--start", flags->position_m, "Start on the floor: X Z, metres")->expected(2);
   verb->add_option("--heading", flags->heading_deg, "Start heading, degrees; 0 faces +Z, 90 faces +X");
   const CLI::IsMember boundary({"walking", "slow_step", "standing"});

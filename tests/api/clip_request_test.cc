@@ -181,6 +181,15 @@ TEST(ClipRequest, CanonicalJsonReadsBackTheSame) {
   EXPECT_EQ(CanonicalJson(ParseClipRequest(canonical)), canonical);
 }
 
+TEST(ClipRequest, NamesAnAction) {
+  const ClipRequest request = ParseClipRequest(R"({"model":"walk","seed":3,"action":"run","style":"proud"})");
+  EXPECT_EQ(ToSynthesisRequest(request).action, "run");
+  EXPECT_EQ(CanonicalJson(request), R"({"model":"walk","seed":3,"action":"run","style":"proud"})");
+  EXPECT_EQ(ToSynthesisRequest(ParseClipRequest(R"({"model":"walk","seed":3})")).action, std::nullopt);
+  EXPECT_EQ(Verdict(R"({"model":"walk","action":7})"), "400 /action");
+  EXPECT_EQ(Verdict(R"({"model":"walk","action":""})"), "400 /action");
+}
+
 TEST(ClipRequest, ModelMayBeLeftOutWhereTheCallerHasOne) {
   EXPECT_NO_THROW(ParseClipRequest(R"({"steps":2})", {.model_required = false}));
 }

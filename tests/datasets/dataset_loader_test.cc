@@ -74,6 +74,17 @@ TEST(DatasetLoader, ObeysTheManifest) {
   EXPECT_THAT(dataset.notes[0], HasSubstr("gone"));
 }
 
+TEST(DatasetLoader, ClipsKnowWhichOtherActionTheyShow) {
+  const testing::TemporaryFolder folder;
+  folder.Write("runs/a.bvh", kSmallBvh);
+  folder.Write("walks/a_walk.bvh", kSmallBvh);
+  const DatasetManifest manifest = ParseManifest(R"({"actions": {"run": ["runs/*"]}})", "set.json");
+  const Dataset dataset = LoadDataset({folder.path()}, manifest);
+  ASSERT_EQ(dataset.clips.size(), 2u);
+  EXPECT_EQ(dataset.clips[0].other_action, "run");
+  EXPECT_EQ(dataset.clips[1].other_action, "");
+}
+
 TEST(DatasetLoader, ANestedStylePatternTakesNoExponentialTime) {
   const testing::TemporaryFolder folder;
   const std::string stem(200, 'a');

@@ -49,6 +49,20 @@ TEST(Manifest, ReadsEveryField) {
   EXPECT_FALSE(Includes(manifest, "run_01.bvh"));
 }
 
+TEST(Manifest, SaysWhichFilesShowAnotherAction) {
+  const DatasetManifest manifest = ParseManifest(R"({"actions": {"run": ["*_run_*", "runs/*"], "hop": ["*hop*"]}})", "set.json");
+  EXPECT_EQ(OtherAction(manifest, "set_run_01.bvh"), "run");
+  EXPECT_EQ(OtherAction(manifest, "runs/01.bvh"), "run");
+  EXPECT_EQ(OtherAction(manifest, "hop_01.bvh"), "hop");
+  EXPECT_EQ(OtherAction(manifest, "runs/hop_01.bvh"), "hop") << "the first by name";
+  EXPECT_EQ(OtherAction(manifest, "set_walk_01.bvh"), "");
+  EXPECT_THAT(ManifestError(R"({"actions": ["run"]})"), HasSubstr("set.json: /actions: expected an object"));
+  EXPECT_THAT(ManifestError(R"({"actions": {"run": "*_run_*"}})"), HasSubstr("set.json: /actions/run: expected an array of strings"));
+  EXPECT_THAT(ManifestError(R"({"actions": {"run": []}})"), HasSubstr("set.json: /actions/run: has no pattern"));
+  EXPECT_THAT(ManifestError(R"({"actions": {"walk": ["*"]}})"), HasSubstr("set.json: /actions/walk: must name another action"));
+  EXPECT_THAT(ManifestError(R"({"action": "run", "actions": {"run": ["*"]}})"), HasSubstr("/actions/run: must name another action"));
+}
+
 TEST(Manifest, AnEmptyObjectLeavesTheDefaults) {
   const DatasetManifest manifest = ParseManifest("\xEF\xBB\xBF{}", "set.json");
   EXPECT_EQ(manifest.action, "walk");

@@ -16,6 +16,7 @@
 #include "primitives/keyframe_detector.h"
 #include "tests/support/shared_data.h"
 #include "tests/support/small_model.h"
+#include "tests/support/two_actions.h"
 
 namespace morphograph {
 namespace {
@@ -160,6 +161,65 @@ TEST(GraphBuilder, FrameRateIsOfTheClipsAndNotOfTheirOrder) {
   const auto graph = BuildGraph(clips, TrainingOptions());
   EXPECT_EQ(graph->frame_rate_hz(), 30);
   EXPECT_THAT(graph->provenance().notes, Contains(HasSubstr("crawl: recorded at 1 frames a second")));
+}
+
+TEST(GraphBuilder, AnotherActionStandsBesideTheFirstAndLeavesItAsItWas) {
+  const auto both = testing::ModelOfTwoActions();
+  const auto walk = testing::SmallModel();
+  EXPECT_THAT(both->action_names(), ::testing::ElementsAre("walk", "run"));
+  EXPECT_THAT(both->style_names(), ::testing::ElementsAre("brisk", "slow"));
+  EXPECT_THAT(both->style_names("run"), ::testing::ElementsAre("brisk"));
+  ASSERT_EQ(both->primitive_count(), walk->primitive_count() + 6);
+  for (int p = 0; p < walk->primitive_count(); ++p) {
+    const MotionPrimitive &alone = walk->primitive(p), &beside = both->primitive(p);
+    EXPECT_EQ(beside.name, alone.name);
+    EXPECT_EQ(beside.reduction.mean, alone.reduction.mean) << alone.name;
+    EXPECT_EQ(beside.reduction.basis, alone.reduction.basis) << alone.name;
+    EXPECT_EQ(beside.manner.captured, alone.manner.captured) << alone.name;
+  }
+  const GraphSummary summary = Summarise(*both);
+  EXPECT_EQ(summary.format_version, 3);
+  EXPECT_EQ(Summarise(*walk).format_version, 2);
+  const PrimitiveSummary* run = Find(summary, "left_run", "brisk");
+  ASSERT_NE(run, nullptr);
+  EXPECT_EQ(run->action, "run");
+  // Log maps of all actions of a style are about the same rotations; where its feet touch is each action's own.
+  const auto& styles = both->styles();
+  EXPECT_EQ(styles.back().mean_rotations.front().coeffs(), styles.front().mean_rotations.front().coeffs());
+  for (int e = 0; e < both->edge_count(); ++e) {
+    EXPECT_EQ(both->primitive(both->edge_from(e)).style_index, both->primitive(both->edge_to(e)).style_index);
+  }
+  EXPECT_THAT(summary.notes, Contains(HasSubstr("walk to run and back: no transitions")));
+  // The file keeps all of it.
+  const auto read = ParseModel(SerialiseModel(*both), "file");
+  EXPECT_EQ(read->hash(), both->hash());
+  EXPECT_THAT(read->action_names(), ::testing::ElementsAre("walk", "run"));
+}
+
+TEST(GraphBuilder, AnotherActionNeedsKeyFramesByFeature) {
+  std::vector<TrainingClip> clips = testing::ClipsOfTwoActions();
+  clips.back().other_action = "crawl";
+  EXPECT_THROW(BuildGraph(clips, TrainingOptions()), DatasetError);
+}
+
+TEST(GraphBuilder, LearnsRunningBesideWalking) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const auto folder = testing::SharedData() / "bnr" / "dataset-2";
+  const DatasetManifest manifest = ParseManifest(R"({"include": ["*_elderly_00*"], "actions": {"run": ["*_run_*"]}})", "set.json");
+  std::vector<TrainingClip> clips;
+  for (const LoadedClip& loaded : LoadDataset({folder / "walk", folder / "run"}, manifest).clips) {
+    clips.push_back({.clip = loaded.clip, .other_action = loaded.other_action});
+  }
+  TrainingOptions options;
+  options.jobs = 2;
+  const GraphSummary summary = Summarise(*BuildGraph(clips, options));
+  for (const std::string name : {"left_walk", "right_walk", "left_run", "right_run"}) {
+    const PrimitiveSummary* primitive = Find(summary, name, "elderly");
+    ASSERT_NE(primitive, nullptr) << name;
+    EXPECT_FALSE(primitive->dead_end) << name;
+    EXPECT_EQ(primitive->action, name.substr(name.find('_') + 1));
+  }
+  EXPECT_LT(Find(summary, "left_run", "elderly")->mean_duration_s, Find(summary, "left_walk", "elderly")->mean_duration_s);
 }
 
 TEST(GraphBuilder, LearnsRunning) {

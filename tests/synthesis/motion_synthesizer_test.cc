@@ -12,6 +12,7 @@
 #include "datasets/leg_ik.h"
 #include "synthesis/evaluation.h"
 #include "tests/support/small_model.h"
+#include "tests/support/two_actions.h"
 
 namespace morphograph {
 namespace {
@@ -90,6 +91,47 @@ TEST(MotionSynthesizer, StylesDifferAndUnknownOnesAreRefused) {
     EXPECT_EQ(error.pointer(), "/style");
     EXPECT_THAT(error.what(), ::testing::HasSubstr("brisk, slow"));
   }
+}
+
+TEST(MotionSynthesizer, ClipsShowTheActionThatIsAskedFor) {
+  const auto both = testing::ModelOfTwoActions();
+  SynthesisRequest request = Request(5, 4);
+  const SynthesisResult usual = Synthesize(*both, request);
+  EXPECT_EQ(usual.report.action, "walk");
+  EXPECT_EQ(WriteBvh(ExportClip(usual.clip)), Bytes(request)) << "walks as the model of walking alone does";
+  for (const StepReport& step : usual.report.steps) EXPECT_TRUE(step.primitive.ends_with("_walk")) << step.primitive;
+
+  request.action = "run";
+  for (const WalkBoundary from : {WalkBoundary::kWalking, WalkBoundary::kStanding}) {
+    request.start_from = from;
+    const SynthesisResult run = Synthesize(*both, request);
+    EXPECT_EQ(run.report.action, "run");
+    EXPECT_EQ(run.report.style, "brisk") << "the only one that runs";
+    for (size_t i = from == WalkBoundary::kWalking ? 0 : 1; i < run.report.steps.size(); ++i) {
+      EXPECT_TRUE(run.report.steps[i].primitive.ends_with("_run")) << run.report.steps[i].primitive;
+    }
+  }
+  const auto refusal = [&]() -> std::string {
+    try {
+      Synthesize(*both, request);
+    } catch (const UnsatisfiableRequest& error) {
+      return error.pointer() + " " + error.what();
+    }
+    return "made";
+  };
+  request.style = "slow";
+  EXPECT_EQ(refusal().find("/style the model has no style 'slow' of action 'run'; it has brisk"), 0u) << refusal();
+  request.action = "crawl";
+  EXPECT_EQ(refusal().find("/action the model has no action 'crawl'; it has walk, run"), 0u) << refusal();
+}
+
+TEST(MotionSynthesizer, SteeredClipsShowTheActionThatIsAskedFor) {
+  SynthesisRequest request;
+  request.seed = 3;
+  request.action = "run";
+  request.control.goal = GoalTerm{.position_m = Eigen::Vector2d(0, 5)};
+  const SynthesisResult run = Synthesize(*testing::ModelOfTwoActions(), request);
+  for (const StepReport& step : run.report.steps) EXPECT_TRUE(step.primitive.ends_with("_run")) << step.primitive;
 }
 
 TEST(MotionSynthesizer, RefusesNumbersOutOfRange) {
