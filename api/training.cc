@@ -71,6 +71,7 @@ TrainingOutcome Train(const TrainingRequest& request) {
   LabelledClips labels;
   if (has_labels) labels = ReadKeyframeLabels(manifest.keyframe_examples);
   options.jobs = request.jobs;
+  options.keep_recordings = request.keep_recordings;
   options.source = manifest.source;
   options.licence = manifest.licence;
   options.attribution = manifest.attribution;

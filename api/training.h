@@ -23,6 +23,7 @@ struct TrainingRequest {
   std::optional<std::string> action;  // empty: the manifest's
   std::optional<std::filesystem::path> keyframe_labels;  // outranks the file that the manifest's "keyframes" names
   DatasetLimits limits;
+  bool keep_recordings = true;  // in the model, for reconstruction from sensors
   int jobs = 1;
   std::string command;  // kept in the model as its provenance
   std::function<void(const std::string& stage, double fraction)> progress;  // of the whole, [0, 1]

@@ -8,6 +8,7 @@
 #include "graph/manner_fit.h"
 #include "graph/model_io.h"
 #include "graph/primitive_fit.h"
+#include "graph/recorded_motion.h"
 #include "graph/step_pairs.h"
 #include "graph/training_set.h"
 #include "graph/transition_fit.h"
@@ -104,6 +105,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   contents.frame_rate_hz = std::min(highest_hz, kModelRate_hz);
   contents.layout = set.layout;
   contents.styles = set.styles;
+  if (options.keep_recordings) contents.recordings = std::make_shared<const RecordedMotion>(RecordMotion(set));
 
   progress.Begin("primitives", 0.25, 0.6, static_cast<int>(classes.size()));
   std::vector<FittedPrimitive> fitted(classes.size());

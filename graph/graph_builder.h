@@ -28,6 +28,7 @@ struct TrainingOptions {
   /// Where steps of that action begin and end; by its features (KeyframeOptionsFor) when empty, so that only actions that are known
   /// there can be learned without it. Called from several threads.
   KeyframeFinder find_keyframes = {};
+  bool keep_recordings = false;   // in the model, for reconstruction from sensors
   int jobs = 1;                   // threads; the result does not depend on it
   double variance_kept = 0.99;    // of the weighted PCA
   std::uint64_t seed = 1;         // of k-means++ starts

@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <new>
 #include <nlohmann/json.hpp>
 
@@ -14,6 +15,7 @@
 #include "datasets/file_text.h"
 #include "graph/internal/array_store.h"
 #include "graph/internal/skeleton_json.h"
+#include "graph/recorded_motion.h"
 
 namespace morphograph {
 namespace {
@@ -142,6 +144,21 @@ json EdgeToJson(int from, int to, const TransitionModel& model, ArrayWriter* arr
   return edge;
 }
 
+json RecordingsToJson(const RecordedMotion& motion, ArrayWriter* arrays) {
+  json clips = json::array();
+  for (const RecordedClip& clip : motion.clips)
+    clips.push_back({{"name", clip.name}, {"style", clip.style}, {"frame_rate_hz", clip.frame_rate_hz}, {"frames", clip.frames}});
+  Eigen::MatrixXd steps(4, motion.steps.size());
+  for (size_t s = 0; s < motion.steps.size(); ++s) {
+    const RecordedStep& step = motion.steps[s];
+    steps.col(static_cast<Eigen::Index>(s)) << step.clip, step.start_frame, step.end_frame, step.left;
+  }
+  return {{"clips", clips},
+          {"steps", arrays->Doubles(steps)},
+          {"roots", arrays->Floats(motion.roots)},
+          {"rotations", arrays->Shorts(motion.rotations)}};
+}
+
 json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
   const ModelProvenance& provenance = graph.provenance();
   json styles = json::array(), primitives = json::array(), edges = json::array();
@@ -167,6 +184,7 @@ json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
           {"primitives", primitives},
           {"edges", edges}};
   if (graph.layout().rotation_form() == RotationForm::kEuler) model["rotations"] = kEulerName;
+  if (graph.recordings()) model["recordings"] = RecordingsToJson(*graph.recordings(), arrays);
   return model;
 }
 
@@ -281,6 +299,27 @@ GraphEdge EdgeFromJson(const json& value, const ArrayReader& arrays) {
   return edge;
 }
 
+RecordedMotion RecordingsFromJson(const json& value, const ArrayReader& arrays) {
+  RecordedMotion motion;
+  int first = 0;
+  for (const json& clip : value.at("clips")) {
+    motion.clips.push_back({clip.at("name").get<std::string>(), clip.at("style").get<std::string>(), clip.at("frame_rate_hz").get<double>(), first,
+                            clip.at("frames").get<int>()});
+    if (motion.clips.back().frames < 0 || motion.clips.back().frames > std::numeric_limits<int>::max() - first) throw std::runtime_error("a recorded clip is of the wrong size");
+    first += motion.clips.back().frames;
+  }
+  motion.roots = arrays.Floats(value.at("roots"));
+  motion.rotations = arrays.Floats(value.at("rotations"));
+  const Eigen::MatrixXd steps = arrays.Doubles(value.at("steps"));
+  if (steps.rows() != 4) throw std::runtime_error("recorded steps of the wrong size");
+  for (Eigen::Index s = 0; s < steps.cols(); ++s) {
+    const double clip = steps(0, s);
+    if (!(clip >= 0) || clip >= static_cast<double>(motion.clips.size())) throw std::runtime_error("a recorded step is of no clip");
+    motion.steps.push_back({static_cast<int>(clip), steps(1, s), steps(2, s), steps(3, s) != 0});
+  }
+  return motion;
+}
+
 GraphContents ContentsFromJson(const json& value, const ArrayReader& arrays) {
   GraphContents contents;
   contents.name = value.at("name").get<std::string>();
@@ -307,6 +346,8 @@ GraphContents ContentsFromJson(const json& value, const ArrayReader& arrays) {
     contents.primitives.push_back(PrimitiveFromJson(primitive, contents.styles, arrays));
   }
   for (const json& edge : value.at("edges")) contents.edges.push_back(EdgeFromJson(edge, arrays));
+  if (value.contains("recordings"))
+    contents.recordings = std::make_shared<const RecordedMotion>(RecordingsFromJson(value.at("recordings"), arrays));
   return contents;
 }
 

@@ -5,6 +5,8 @@
 #include <set>
 #include <stdexcept>
 
+#include "graph/recorded_motion.h"
+
 namespace morphograph {
 namespace {
 
@@ -98,6 +100,10 @@ MotionGraph::MotionGraph(GraphContents contents, std::string hash) {
             "mean rotations of style '" + style.name + "' do not fit the skeleton");
     Require(style.other_action.empty() || style.other_action != contents.action, "style '" + style.name + "' names the graph's own action as another");
   }
+  if (contents.recordings) {
+    const std::string problem = contents.recordings->Problem(contents.layout);
+    Require(problem.empty(), problem);
+  }
   auto storage = std::make_unique<Storage>();
   for (const MotionPrimitive& primitive : contents.primitives) CheckPrimitive(primitive, contents);
   storage->out_edges.resize(contents.primitives.size());
@@ -134,6 +140,7 @@ const Skeleton& MotionGraph::skeleton() const { return storage_->header.layout.s
 const std::shared_ptr<const Skeleton>& MotionGraph::shared_skeleton() const {
   return storage_->header.layout.shared_skeleton();
 }
+const std::shared_ptr<const RecordedMotion>& MotionGraph::recordings() const { return storage_->header.recordings; }
 const std::vector<GraphStyle>& MotionGraph::styles() const { return storage_->header.styles; }
 
 std::vector<std::string> MotionGraph::style_names(const std::string& action) const {

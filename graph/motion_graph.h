@@ -46,6 +46,8 @@ struct GraphEdge {
   TransitionModel model;
 };
 
+struct RecordedMotion;
+
 /// Everything a graph is made of, before it is frozen.
 struct GraphContents {
   std::string name;
@@ -56,6 +58,7 @@ struct GraphContents {
   std::vector<GraphStyle> styles;
   std::vector<MotionPrimitive> primitives;
   std::vector<GraphEdge> edges;
+  std::shared_ptr<const RecordedMotion> recordings;  // what it was learned from, where that is kept
 };
 
 /// The learned motion graph: vertex = primitive, edge = transition. Immutable and safe to share between threads.
@@ -80,6 +83,8 @@ class MotionGraph {
   const Skeleton& skeleton() const;
   const std::shared_ptr<const Skeleton>& shared_skeleton() const;
   const std::vector<GraphStyle>& styles() const;
+  /// The captured clips that the model was learned from (graph/recorded_motion.h); null where its file does not keep them.
+  const std::shared_ptr<const RecordedMotion>& recordings() const;
   /// Names of the styles of the graph's own action, without the empty one.
   std::vector<std::string> style_names() const { return style_names(action()); }
   /// Of any action.

@@ -21,6 +21,7 @@ struct TrainFlags {
   std::string out, name, action, manifest, report;
   int jobs = 0;
   bool quiet = false;
+  bool no_recordings = false;
 };
 
 // The command as it can be given again; paths by their last part, so that a model does not tell of its maker's folders.
@@ -35,6 +36,7 @@ std::string CommandOf(const TrainFlags& flags) {
   if (!flags.action.empty()) command += " --action " + flags.action;
   if (!flags.manifest.empty()) command += " --manifest " + last(flags.manifest);
   if (!flags.name.empty()) command += " --name " + flags.name;
+  if (flags.no_recordings) command += " --no-recordings";
   return Utf8FromUnknown(command);
 }
 
@@ -53,6 +55,7 @@ void TrainModel(const TrainFlags& flags) {
   if (!flags.action.empty()) request.action = flags.action;
   request.jobs = flags.jobs > 0 ? flags.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   request.command = CommandOf(flags);
+  request.keep_recordings = !flags.no_recordings;
 
   TrainingOutcome outcome;
   {
@@ -90,6 +93,7 @@ void AddTrain(CLI::App* program, Work* work) {
   verb->add_option("--jobs", flags->jobs, "Threads; 0: one a core. The result does not depend on it")
       ->check(CLI::Range(0, 256))->capture_default_str();
   verb->add_option("--report", flags->report, "Folder for training.json and graph.dot");
+  verb->add_flag("--no-recordings", flags->no_recordings, "Leave the recordings out of the model: a fifth of the size, but less to reconstruct from");
   verb->add_flag("--quiet", flags->quiet, "Say nothing");
   verb->callback([flags, work] { *work = [flags] { TrainModel(*flags); }; });
 }
