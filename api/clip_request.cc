@@ -10,6 +10,7 @@
 #include "api/request/control_checks.h"
 #include "api/request/control_reader.h"
 #include "api/request/control_writer.h"
+#include "api/request/output_reader.h"
 
 namespace morphograph {
 namespace {
@@ -45,32 +46,6 @@ void ReadStart(const json& object, Findings* findings, ClipRequest* request) {
   request->start_position_m = reader.FloorPoint("position");
   request->start_heading_deg = reader.Finite("heading");
   request->start_from = ReadBoundary("from", &reader, findings);
-  reader.RefuseOthers();
-}
-
-void ReadOutput(const json& object, Findings* findings, ClipRequest* request) {
-  ObjectReader reader(object, "/output", findings);
-  request->output.frame_rate_hz = reader.Finite("frame_rate");
-  if (const auto channels = reader.Text("channels")) {
-    if (*channels == "portable") {
-      request->output.channels = OutputChannels::kPortable;
-    } else if (*channels == "source") {
-      request->output.channels = OutputChannels::kSource;
-    } else {
-      findings->Malformed("/output/channels", "must be \"portable\" or \"source\"");
-    }
-  }
-  if (const auto unit = reader.Text("unit")) {
-    if (*unit == "source") {
-      request->output.unit = OutputUnit::kSource;
-    } else if (*unit == "m") {
-      request->output.unit = OutputUnit::kMetre;
-    } else if (*unit == "cm") {
-      request->output.unit = OutputUnit::kCentimetre;
-    } else {
-      findings->Malformed("/output/unit", "must be \"m\", \"cm\" or \"source\"");
-    }
-  }
   reader.RefuseOthers();
 }
 
@@ -164,7 +139,7 @@ ClipRequest ParseFields(std::string_view text, const ClipRequestRules& rules, in
   if (const json* start = reader.Object("start")) ReadStart(*start, &findings, &request);
   request.end = ReadBoundary("end", &reader, &findings);
   ReadControlTerms(&reader, &request.control);
-  if (const json* output = reader.Object("output")) ReadOutput(*output, &findings, &request);
+  if (const json* output = reader.Object("output")) request.output = ReadOutputFormat(*output, &findings);
   if (count) {
     const auto asked = reader.Required("count", reader.Whole("count", 1, kMaxVariants), "how many variants");
     *count = asked.value_or(1);

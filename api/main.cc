@@ -29,7 +29,7 @@ int main(int argc, char** argv) {
   program.set_version_flag("--version", "morphograph " MORPHOGRAPH_VERSION);
   program.require_subcommand(1);
   Work work;
-  for (const auto add : {AddTrain, AddInspect, AddSynthesize, AddEvaluate, AddKeyframes, AddStudy, AddServe, AddPlanned})
+  for (const auto add : {AddTrain, AddInspect, AddSynthesize, AddEvaluate, AddKeyframes, AddStudy, AddSensors, AddMarkers, AddReconstruct, AddServe})
     add(&program, &work);
   // CLI11 would only say that a subcommand is missing.
   const auto is_given = [&](const CLI::App* verb) { return verb->get_name() == argv[1]; };

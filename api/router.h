@@ -16,7 +16,6 @@ struct Route {
   std::function<HttpResponse(const HttpRequest&)> handler;
   std::size_t max_body = 0;      // bytes; 0: takes no body
   bool immediate = false;        // cheap enough to answer before all queued work
-  bool planned = false;          // comes with a later version; no handler yet
 };
 
 /// The routes of the interface. Built once, then read from any thread.
@@ -30,7 +29,7 @@ class Router {
   };
 
   /// The route for a method and path (without query); HEAD finds GET.
-  /// @throws ProblemError: 400 for a broken percent escape, 404 for an unknown or planned path, 405 with the methods allowed.
+  /// @throws ProblemError: 400 for a broken percent escape, 404 for an unknown path, 405 with the methods allowed.
   Match Find(std::string_view method, std::string_view path) const;
 
   /// Methods known for a path, "GET, HEAD, OPTIONS"; empty when the path is unknown.

@@ -10,6 +10,7 @@ namespace morphograph {
 /// Body limits, bytes.
 inline constexpr std::size_t kMaxClipRequestBytes = std::size_t{1} << 20;
 inline constexpr std::size_t kMaxEvaluationBytes = std::size_t{64} << 20;
+inline constexpr std::size_t kMaxReadingsBytes = std::size_t{32} << 20;
 inline constexpr std::size_t kMaxTrainingBytes = std::size_t{256} << 20;
 
 /// Every route of HTTP version 1 (CONTRACT.md).
@@ -22,8 +23,7 @@ std::vector<Route> EvaluationRoutes(Service* service);
 std::vector<Route> ModelRoutes(Service* service);
 std::vector<Route> JobRoutes(Service* service);
 std::vector<Route> SystemRoutes(Service* service);
+std::vector<Route> ReconstructionRoutes(Service* service);
 std::vector<Route> ViewerRoutes();
-/// Routes of the contract that a later version brings; until then they answer 404 and say so.
-std::vector<Route> PlannedRoutes();
 
 }  // namespace morphograph

@@ -5,6 +5,7 @@
 #include "api/clip_store.h"
 #include "api/metrics.h"
 #include "api/model_registry.h"
+#include "api/reconstructor_cache.h"
 
 namespace morphograph {
 
@@ -14,6 +15,7 @@ class TrainingService;
 struct Service {
   ModelRegistry models;
   ClipStore clips;
+  ReconstructorCache reconstructors;
   Metrics metrics;
   std::atomic<bool> ready{false};       // requests are accepted: the server runs and is not stopping
   TrainingService* training = nullptr;  // where models can be trained over HTTP

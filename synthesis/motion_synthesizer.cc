@@ -10,6 +10,7 @@
 #include "synthesis/draw_index.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/walk_clip.h"
+#include "synthesis/walk_report.h"
 #include "synthesis/walk_sampler.h"
 
 namespace morphograph {
@@ -99,46 +100,6 @@ int DrawStyle(const MotionGraph& graph, const SynthesisRequest& request, std::mt
   return std::max(0, drawn);
 }
 
-std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames) {
-  std::vector<StepReport> steps;
-  for (const DrawnStep& drawn : walk) {
-    // The margins in which a walk starts and ends belong to its first and its last step.
-    const int from = steps.empty() ? 0 : static_cast<int>(std::ceil(drawn.start));
-    if (from >= frames) break;
-    const int to = &drawn == &walk.back() ? frames - 1 : std::min(frames - 1, static_cast<int>(std::ceil(drawn.end)) - 1);
-    steps.push_back({graph.primitive(drawn.step.primitive).name, from, std::max(from, to), drawn.step.log_likelihood});
-  }
-  return steps;
-}
-
-// @param evaluation  of the clip, where it is known already.
-SynthesisReport Report(const MotionGraph& graph, const SynthesisRequest& request, const DrawnWalk& walk, const MotionClip& clip,
-                       const ClipEvaluation* evaluation) {
-  SynthesisReport report;
-  report.seed = request.seed;
-  report.model_name = graph.name();
-  report.model_hash = graph.hash();
-  const int style = graph.primitive(walk.steps.front().step.primitive).style_index;
-  report.action = graph.action_of(graph.styles()[static_cast<size_t>(style)]);
-  report.style = clip.style;
-  report.frames = walk.frames;
-  report.duration_s = clip.duration_s();
-  report.steps = ReportSteps(graph, walk.steps, walk.frames);
-  for (int f = 0; f < walk.frames; ++f) {
-    const Eigen::Vector3d root = clip.root_positions().col(f);
-    report.path_m.emplace_back(root.x(), root.z());
-  }
-  if (walk.frames >= 2) {
-    const ClipEvaluation evaluated = evaluation ? *evaluation : EvaluateClip(clip);
-    report.contacts = evaluated.contacts;
-    report.quality = evaluated.quality;
-  }
-  double log_likelihood = 0;
-  for (const StepReport& step : report.steps) log_likelihood += step.log_likelihood;
-  report.quality.log_likelihood = log_likelihood;
-  return report;
-}
-
 std::string Rounded(double value) { return std::to_string(std::lround(value)); }
 
 }  // namespace
@@ -173,7 +134,8 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
   if (!request.control.empty()) {
     SteeredWalk steered = SteerWalk(graph, request, style, rate_hz, rng);
     SynthesisResult result{std::move(steered.clip), {}};
-    result.report = Report(graph, request, steered.walk, result.clip, &steered.evaluation);
+    result.report = DescribeWalk(graph, steered.walk, result.clip, &steered.evaluation);
+    result.report.seed = request.seed;
     result.report.constraints = std::move(steered.outcomes);
     return result;
   }
@@ -186,7 +148,8 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
                                    .frame_rate_hz = rate_hz},
                                   rng);
   SynthesisResult result{MakeWalkClip(graph, walk.steps, walk.frames, rate_hz, request.start, variant), {}};
-  result.report = Report(graph, request, walk, result.clip, nullptr);
+  result.report = DescribeWalk(graph, walk, result.clip);
+  result.report.seed = request.seed;
   return result;
 }
 

@@ -24,7 +24,8 @@ void AddEvaluate(CLI::App* program, Work* work);
 void AddKeyframes(CLI::App* program, Work* work);
 void AddStudy(CLI::App* program, Work* work);
 void AddServe(CLI::App* program, Work* work);
-/// Verbs of the contract that a later version brings.
-void AddPlanned(CLI::App* program, Work* work);
+void AddSensors(CLI::App* program, Work* work);
+void AddMarkers(CLI::App* program, Work* work);
+void AddReconstruct(CLI::App* program, Work* work);
 
 }  // namespace morphograph

@@ -1,0 +1,97 @@
+#include <iostream>
+#include <memory>
+#include <thread>
+
+#include "api/cli/command.h"
+#include "api/cli/staged_files.h"
+#include "api/clip_response.h"
+#include "api/default_model.h"
+#include "api/glb_writer.h"
+#include "api/reconstruction_report.h"
+#include "datasets/bvh_reader.h"
+#include "datasets/clip_conversion.h"
+#include "datasets/error_reason.h"
+#include "datasets/errors.h"
+#include "datasets/readings_reader.h"
+#include "datasets/resample.h"
+#include "graph/model_io.h"
+
+namespace morphograph {
+namespace {
+
+struct ReconstructFlags {
+  std::string model, method, input, placements, out, report, truth, channels = "portable", unit = "source";
+  double frame_rate_hz = 0;
+  int jobs = 0;
+};
+
+OutputFormat FormatOf(const ReconstructFlags& flags) {
+  OutputFormat format;
+  format.channels = flags.channels == "source" ? OutputChannels::kSource : OutputChannels::kPortable;
+  format.unit = flags.unit == "m" ? OutputUnit::kMetre : flags.unit == "cm" ? OutputUnit::kCentimetre : OutputUnit::kSource;
+  return format;
+}
+
+ReconstructionQuality ErrorsAgainst(const ReconstructFlags& flags, const MotionClip& clip) {
+  const MotionClip truth = ImportClip(ReadBvhFile(flags.truth));
+  try {
+    return CompareClips(clip, truth);
+  } catch (const std::invalid_argument& unfit) {
+    throw DatasetError(flags.truth, ReasonOf(unfit));
+  }
+}
+
+void Reconstruct(const ReconstructFlags& flags) {
+  if (!flags.report.empty() && IsSameFile(flags.out, flags.report)) throw UsageError("reconstruct: --out and --report name the same file");
+  const std::shared_ptr<const MotionGraph> graph = flags.model.empty() ? LoadDefaultModel() : LoadModel(flags.model);
+  if (!graph) throw UsageError("reconstruct: this program was built without a default model; give --model");
+  ReconstructionRequest request;
+  request.method = ParseMethod(flags.method).value();
+  request.source = flags.input;
+  RecordedReadings recorded = ReadReadings(flags.input);
+  const bool markers = request.method == ReconstructionMethod::kMarkers;
+  if (recorded.kind && (*recorded.kind == ReadingsKind::kMarkers) != markers) {
+    throw DatasetError(flags.input, markers ? "holds accelerations; --method markers takes positions of markers"
+                                            : "holds positions of markers; --method " + flags.method + " takes accelerations");
+  }
+  request.readings = std::move(recorded.readings);
+  if (!flags.placements.empty()) request.placements = ReadPlacements(flags.placements);
+  const int jobs = flags.jobs > 0 ? flags.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  ReconstructedReadings made = ReconstructReadings(
+      *graph, request, [&](const std::vector<Placement>& sensors) { return MakeReconstructor(graph, request.method, sensors, jobs); });
+  made.repaired.notes.insert(made.repaired.notes.begin(), recorded.notes.begin(), recorded.notes.end());
+  std::optional<ReconstructionQuality> errors;
+  if (!flags.truth.empty()) errors = ErrorsAgainst(flags, made.reconstruction.clip);
+  MotionClip clip = flags.frame_rate_hz > 0 ? Resample(made.reconstruction.clip, flags.frame_rate_hz) : made.reconstruction.clip;
+
+  StagedFiles files;
+  files.Add(flags.out, std::filesystem::path(flags.out).extension() == ".glb" ? WriteGlb(clip) : ClipBvh(clip, FormatOf(flags)));
+  if (!flags.report.empty()) files.Add(flags.report, ReconstructionReportJson(request.method, made, errors) + "\n");
+  files.Commit();
+  std::cout << "wrote " << flags.out << ", " << clip.frame_count() << " frames\n";
+  for (const std::string& note : made.repaired.notes) std::cout << "- " << note << '\n';
+  if (errors) std::printf("joints off by %.2f cm on the average, 95 %% of frames within %.2f cm\n", errors->position_rms_cm, errors->position_rms_p95_cm);
+}
+
+}  // namespace
+
+void AddReconstruct(CLI::App* program, Work* work) {
+  const auto flags = std::make_shared<ReconstructFlags>();
+  CLI::App* verb = program->add_subcommand("reconstruct", "Make a clip of what a few accelerometers or markers read");
+  verb->add_option("--model", flags->model, "Model file; the embedded model when absent");
+  verb->add_option("--method", flags->method, "graph, olng, rbf or gaussian of accelerations, markers of marker positions")
+      ->required()
+      ->check(CLI::IsMember({"graph", "olng", "rbf", "gaussian", "markers"}));
+  verb->add_option("--input", flags->input, "Readings: CSV (time,<sensor>.x,<sensor>.y,<sensor>.z,...), TRC, raw sensor files")->required();
+  verb->add_option("--placements", flags->placements, "Where the sensors sit, JSON; absent: at the joints that they are called after");
+  verb->add_option("--out", flags->out, "File (.bvh or .glb)")->required();
+  verb->add_option("--report", flags->report, "Where the report goes");
+  verb->add_option("--truth", flags->truth, "BVH of the true motion, to tell errors against");
+  verb->add_option("--frame-rate", flags->frame_rate_hz, "Frames per second of the clip; 30 when absent")->check(CLI::Range(1.0, 240.0));
+  verb->add_option("--channels", flags->channels, "portable or source")->check(CLI::IsMember({"portable", "source"}));
+  verb->add_option("--unit", flags->unit, "m, cm or source")->check(CLI::IsMember({"m", "cm", "source"}));
+  verb->add_option("--jobs", flags->jobs, "Threads; 0: one a core. The result does not depend on it")->check(CLI::Range(0, 256));
+  verb->callback([flags, work] { *work = [flags] { Reconstruct(*flags); }; });
+}
+
+}  // namespace morphograph

@@ -1,0 +1,46 @@
+#include "api/reconstruction_request.h"
+
+#include "api/json_guard.h"
+#include "api/request/object_reader.h"
+#include "api/request/output_reader.h"
+#include "api/request/readings_reader.h"
+
+namespace morphograph {
+
+ReconstructionBody ParseReconstructionBody(std::string_view text) {
+  const nlohmann::json document = ParseUntrustedJson(text);
+  Findings findings("the reconstruction request");
+  ReconstructionBody body;
+  if (!document.is_object()) {
+    findings.Malformed("", std::string("must be an object, not ") + document.type_name());
+    findings.ThrowIfAny();
+  }
+  ObjectReader reader(document, "", &findings);
+  body.model = reader.Required("model", reader.Text("model"), "the name of a model that is served").value_or("");
+  const auto method = ParseMethod(reader.Text("method").value_or("graph"));
+  if (!method) findings.Malformed("/method", "must be \"graph\", \"olng\", \"rbf\", \"gaussian\" or \"markers\"");
+  body.request.method = method.value_or(ReconstructionMethod::kGraph);
+  if (const nlohmann::json* sensors = reader.Object("sensors")) {
+    PlacedReadings placed = ReadPlacedReadings(*sensors, "/sensors", &findings);
+    body.request.readings = std::move(placed.readings);
+    body.request.placements = std::move(placed.placements);
+  } else if (!reader.Has("sensors")) {
+    findings.Malformed("/sensors", "required: rate, placements and readings");
+  }
+  body.request.source = "/sensors/readings";
+  if (const nlohmann::json* output = reader.Object("output")) {
+    body.output = ReadOutputFormat(*output, &findings);
+    const auto rate_hz = body.output.frame_rate_hz;
+    if (rate_hz && !(*rate_hz >= kMinFrameRate_hz && *rate_hz <= kMaxFrameRate_hz))
+      findings.Unmeetable("/output/frame_rate", "from " + NumberText(kMinFrameRate_hz) + " to " + NumberText(kMaxFrameRate_hz) + " frames per second");
+  }
+  reader.RefuseOthers();
+  findings.ThrowIfAny();
+  const std::vector<double>& times = body.request.readings.times_s;
+  if (times.back() - times.front() > kMaxDuration_s)
+    findings.Unmeetable("/sensors/readings", "at most " + NumberText(kMaxDuration_s) + " seconds at a time");
+  findings.ThrowIfAny();
+  return body;
+}
+
+}  // namespace morphograph

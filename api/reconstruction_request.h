@@ -1,0 +1,22 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "api/clip_request.h"
+#include "synthesis/sensors/readings_reconstruction.h"
+
+namespace morphograph {
+
+/// The body of POST /v1/reconstructions.
+struct ReconstructionBody {
+  std::string model;
+  ReconstructionRequest request;
+  OutputFormat output;
+};
+
+/// Parses and checks `{"model", "method", "sensors": {"rate", "placements", "readings"}, "output"}`.
+/// @throws ProblemError, as ParseClipRequest().
+ReconstructionBody ParseReconstructionBody(std::string_view json);
+
+}  // namespace morphograph

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "api/request/findings.h"
+#include "datasets/placements.h"
+#include "datasets/readings.h"
+
+namespace morphograph {
+
+/// Readings as they stand in a request, and where their sensors sit.
+struct PlacedReadings {
+  Readings readings;
+  std::vector<Placement> placements;  // one a sensor, in order
+};
+
+/// Reads `{"rate", "placements", "readings"}`: a row a sample, three numbers a sensor, null for what was lost; "times" in seconds may stand in place of "rate".
+PlacedReadings ReadPlacedReadings(const nlohmann::json& object, const std::string& pointer, Findings* findings);
+
+}  // namespace morphograph

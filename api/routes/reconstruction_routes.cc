@@ -1,0 +1,66 @@
+// POST /v1/reconstructions
+#include <chrono>
+
+#include "api/clip_response.h"
+#include "api/content_negotiation.h"
+#include "api/glb_writer.h"
+#include "api/problem.h"
+#include "api/reconstruction_report.h"
+#include "api/reconstruction_request.h"
+#include "api/routes.h"
+#include "api/routes/request_parts.h"
+#include "datasets/errors.h"
+#include "datasets/resample.h"
+
+namespace morphograph {
+namespace {
+
+ReconstructedReadings Reconstruct(Service* service, const ServedModel& model, const ReconstructionRequest& request) {
+  try {
+    return ReconstructReadings(*model.graph, request, [&](const std::vector<Placement>& sensors) {
+      return service->reconstructors.Get(model.graph, request.method, sensors);
+    });
+  } catch (const DatasetError& unfit) {
+    // Well formed, but nothing can be made of them.
+    throw ProblemError(Problem{422, "the request cannot be met", {{"/sensors/readings", unfit.what()}}, {}, {}});
+  }
+}
+
+HttpResponse CreateReconstruction(Service* service, const HttpRequest& request) {
+  const int form = ChooseMediaType(request.Header("Accept"), {"text/plain", "application/json", "model/gltf-binary"});
+  if (form < 0) throw ProblemError(406, "a clip is given as text/plain (BVH), application/json or model/gltf-binary");
+  const ReconstructionBody body = ParseReconstructionBody(ClipRequestText(request));
+  const std::shared_ptr<const ServedModel> model = FindServed(service->models, body.model);
+  const auto started = std::chrono::steady_clock::now();
+  ReconstructedReadings made = Reconstruct(service, *model, body.request);
+  made.reconstruction.report.model_name = model->name;
+  MotionClip clip = body.output.frame_rate_hz ? Resample(made.reconstruction.clip, *body.output.frame_rate_hz) : made.reconstruction.clip;
+  const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
+  service->metrics.CountClip(clip.frame_count(), elapsed.count());
+
+  HttpResponse response;
+  response.Set("Cache-Control", "no-store");
+  response.Set("Morphograph-Model", model->graph->hash());
+  const std::string name = model->name + "-" + std::string(MethodName(body.request.method));
+  if (form == 1) {
+    response.Set("Content-Type", "application/json");
+    response.body = ClipJson(ClipBvh(clip, body.output), ReconstructionReportJson(body.request.method, made));
+  } else if (form == 2) {
+    response.Set("Content-Type", "model/gltf-binary");
+    response.Set("Content-Disposition", "attachment; filename=\"" + name + ".glb\"");
+    response.body = WriteGlb(clip);
+  } else {
+    response.Set("Content-Type", "text/plain; charset=utf-8");
+    response.Set("Content-Disposition", "attachment; filename=\"" + name + ".bvh\"");
+    response.body = ClipBvh(clip, body.output);
+  }
+  return response;
+}
+
+}  // namespace
+
+std::vector<Route> ReconstructionRoutes(Service* service) {
+  return {{"POST", "/v1/reconstructions", [=](const HttpRequest& request) { return CreateReconstruction(service, request); }, kMaxReadingsBytes}};
+}
+
+}  // namespace morphograph

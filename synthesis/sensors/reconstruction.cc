@@ -1,0 +1,181 @@
+#include "synthesis/sensors/reconstruction.h"
+
+#include <algorithm>
+#include <chrono>
+#include <stdexcept>
+
+#include "datasets/marker_set.h"
+#include "datasets/quantile.h"
+#include "datasets/resample.h"
+#include "datasets/retarget.h"
+#include "synthesis/evaluation.h"
+#include "synthesis/sensors/graph_reconstruction.h"
+#include "synthesis/sensors/motion_source.h"
+#include "synthesis/sensors/olng_estimator.h"
+#include "synthesis/sensors/rbf_estimator.h"
+#include "synthesis/unsatisfiable_request.h"
+
+namespace morphograph {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+double MillisecondsSince(Clock::time_point start) { return std::chrono::duration<double, std::milli>(Clock::now() - start).count(); }
+
+class GraphReconstructor : public Reconstructor {
+ public:
+  GraphReconstructor(std::shared_ptr<const MotionGraph> graph, const MotionSource& source, std::vector<Placement> sensors, int jobs)
+      : Reconstructor(ReconstructionMethod::kGraph, sensors),
+        graph_(std::move(graph)),
+        steps_(source.clips, source.steps, graph_->layout(), std::move(sensors), true, jobs),
+        search_(steps_) {}
+
+  Reconstruction Run(const Eigen::MatrixXd& readings) const override {
+    const Clock::time_point start = Clock::now();
+    GraphReconstruction walk = ReconstructWalk(*graph_, steps_, search_, readings);
+    Reconstruction reconstruction;
+    reconstruction.latency_ms_mean = reconstruction.latency_ms_p95 = MillisecondsSince(start) / static_cast<double>(readings.cols());
+    reconstruction.clip = std::move(walk.result.clip);
+    reconstruction.report = std::move(walk.result.report);
+    reconstruction.residual_m_s2 = walk.residual_m_s2;
+    return reconstruction;
+  }
+  std::unique_ptr<PoseEstimator> Start() const override { return nullptr; }
+  const MotionBase* base() const override { return nullptr; }
+
+ private:
+  std::shared_ptr<const MotionGraph> graph_;
+  CapturedSteps steps_;
+  StepSearch search_;
+};
+
+SynthesisReport DescribeClip(const MotionGraph& graph, const MotionClip& clip) {
+  SynthesisReport report;
+  report.model_name = graph.name();
+  report.model_hash = graph.hash();
+  report.frames = clip.frame_count();
+  report.duration_s = clip.duration_s();
+  for (int f = 0; f < clip.frame_count(); ++f) report.path_m.emplace_back(clip.root_positions()(0, f), clip.root_positions()(2, f));
+  if (clip.frame_count() >= 2) {
+    const ClipEvaluation evaluation = EvaluateClip(clip);
+    report.contacts = evaluation.contacts;
+    report.quality = evaluation.quality;
+  }
+  return report;
+}
+
+// Methods that go frame by frame.
+template <typename Model, typename Estimator>
+class StreamReconstructor : public Reconstructor {
+ public:
+  StreamReconstructor(std::shared_ptr<const MotionGraph> graph, ReconstructionMethod method, std::vector<Placement> sensors, std::shared_ptr<const MotionBase> base,
+                      std::shared_ptr<const Model> model)
+      : Reconstructor(method, std::move(sensors)), graph_(std::move(graph)), base_(std::move(base)), model_(std::move(model)) {}
+
+  Reconstruction Run(const Eigen::MatrixXd& readings) const override {
+    if (readings.cols() == 0) throw std::invalid_argument("Reconstructor: no readings");
+    const std::unique_ptr<PoseEstimator> stream = Start();
+    std::vector<BasePose> poses;
+    std::vector<double> times_ms;
+    for (Eigen::Index f = 0; f < readings.cols(); ++f) {
+      const Clock::time_point start = Clock::now();
+      poses.push_back(stream->Next(readings.col(f)));
+      times_ms.push_back(MillisecondsSince(start));
+    }
+    Reconstruction reconstruction;
+    for (const double time_ms : times_ms) reconstruction.latency_ms_mean += time_ms / static_cast<double>(times_ms.size());
+    reconstruction.latency_ms_p95 = Quantile(times_ms, 0.95);
+    reconstruction.clip = base_->Assemble(poses);
+    reconstruction.report = DescribeClip(*graph_, reconstruction.clip);
+    return reconstruction;
+  }
+  std::unique_ptr<PoseEstimator> Start() const override { return std::make_unique<Estimator>(model_); }
+  const MotionBase* base() const override { return base_.get(); }
+
+ private:
+  std::shared_ptr<const MotionGraph> graph_;
+  std::shared_ptr<const MotionBase> base_;
+  std::shared_ptr<const Model> model_;
+};
+
+}  // namespace
+
+std::string_view MethodName(ReconstructionMethod method) {
+  switch (method) {
+    case ReconstructionMethod::kGraph: return "graph";
+    case ReconstructionMethod::kOlng: return "olng";
+    case ReconstructionMethod::kRbf: return "rbf";
+    case ReconstructionMethod::kGaussian: return "gaussian";
+    case ReconstructionMethod::kMarkers: return "markers";
+  }
+  throw std::logic_error("MethodName: no such method");
+}
+
+std::optional<ReconstructionMethod> ParseMethod(std::string_view name) {
+  for (const ReconstructionMethod method : kReconstructionMethods) {
+    if (MethodName(method) == name) return method;
+  }
+  return std::nullopt;
+}
+
+static_assert(kReconstructionRate_hz == kSensorRate_hz);
+
+std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const MotionGraph> graph, ReconstructionMethod method, std::vector<Placement> sensors, int jobs) {
+  for (std::size_t i = 0; i < sensors.size(); ++i) {
+    const int joint = graph->skeleton().FindRoleOrName(sensors[i].joint);
+    if (joint < 0 || !graph->skeleton().IsBody(joint))
+      throw UnsatisfiableRequest("/sensors/placements/" + std::to_string(i) + "/joint", "the model's skeleton has no joint '" + sensors[i].joint + "' that moves");
+  }
+  if (sensors.empty()) throw UnsatisfiableRequest("/sensors/placements", "no sensor is left to reconstruct from");
+  const MotionSource source = SourceOf(*graph, jobs);
+  if (method == ReconstructionMethod::kGraph) return std::make_shared<GraphReconstructor>(graph, source, std::move(sensors), jobs);
+  MotionBaseOptions options;
+  options.frame_rate_hz = kReconstructionRate_hz;
+  options.jobs = jobs;
+  const auto base = std::make_shared<const MotionBase>(source.clips, sensors, options);
+  switch (method) {
+    case ReconstructionMethod::kOlng:
+      return std::make_shared<StreamReconstructor<OlngModel, OlngEstimator>>(graph, method, std::move(sensors), base, std::make_shared<const OlngModel>(base, OlngOptions()));
+    case ReconstructionMethod::kRbf: {
+      RbfOptions rbf;
+      rbf.jobs = jobs;
+      return std::make_shared<StreamReconstructor<RbfModel, RbfEstimator>>(graph, method, std::move(sensors), base, std::make_shared<const RbfModel>(*base, rbf));
+    }
+    default: throw UnsatisfiableRequest("/method", "'" + std::string(MethodName(method)) + "' does not exist yet in this version");
+  }
+}
+
+std::vector<Placement> PlacesOf(const std::vector<std::string>& sensors, const std::vector<Placement>& placements, const MotionGraph& graph,
+                                ReconstructionMethod method) {
+  std::vector<Placement> known = placements;
+  if (method == ReconstructionMethod::kMarkers && known.empty()) known = FullBodyMarkers(SourceOf(graph).clips);
+  std::vector<Placement> places;
+  for (const std::string& name : sensors) {
+    const auto place = std::find_if(known.begin(), known.end(), [&](const Placement& placement) { return placement.name == name; });
+    if (place != known.end()) {
+      places.push_back(*place);
+    } else if (const int joint = graph.skeleton().FindRoleOrName(name); joint >= 0 && graph.skeleton().IsBody(joint)) {
+      places.push_back({name, name});
+    } else {
+      throw UnsatisfiableRequest("/sensors/placements", "where sensor '" + name + "' sits is not known: it is no joint of the model's skeleton and no placement says it");
+    }
+  }
+  return places;
+}
+
+ReconstructionQuality CompareClips(const MotionClip& reconstructed, const MotionClip& truth) {
+  MotionClip there = truth;
+  if (there.shared_skeleton() != reconstructed.shared_skeleton()) there = Retarget(there, reconstructed.shared_skeleton());
+  there = Resample(there, reconstructed.frame_rate_hz());
+  const int frames = std::min(there.frame_count(), reconstructed.frame_count());
+  if (frames < 5) throw std::invalid_argument("CompareClips: fewer than 5 frames in common");
+  there = there.Slice(0, frames);
+  const MotionClip here = reconstructed.Slice(0, frames);
+  MotionBaseOptions options;
+  options.frame_rate_hz = reconstructed.frame_rate_hz();
+  options.mirrored = false;
+  const MotionBase base({there}, {}, options);
+  return CompareWithTruth(base, PosesOf(base, here), there);
+}
+
+}  // namespace morphograph

@@ -1,0 +1,139 @@
+// POST /v1/reconstructions over real sockets, with a model learned from synthetic walks.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <nlohmann/json.hpp>
+
+#include "datasets/bvh_reader.h"
+#include "datasets/clip_conversion.h"
+#include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/reconstruction.h"
+#include "tests/support/raw_http.h"
+#include "tests/support/small_model.h"
+#include "tests/support/test_service.h"
+
+namespace morphograph {
+namespace {
+
+using nlohmann::json;
+using testing::RawResponse;
+using ::testing::HasSubstr;
+
+class ReconstructionRoutesTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::vector<TrainingClip> clips;
+    for (auto& [name, clip] : testing::SmallWalks()) clips.push_back({clip, false});
+    TrainingOptions options;
+    options.keep_recordings = true;
+    app_ = new testing::TestService;
+    app_->service.models.Add("walk", BuildGraph(clips, options));
+    app_->Start();
+  }
+  static void TearDownTestSuite() { delete app_; }
+
+  static RawResponse Post(const json& body, const std::string& accept = "") {
+    return testing::Ask(app_->port, "POST", "/v1/reconstructions", "Content-Type: application/json\r\n" + (accept.empty() ? "" : "Accept: " + accept + "\r\n"), body.dump());
+  }
+  static MotionClip Walk() {
+    SyntheticGaitOptions options;
+    options.seed = 99;
+    options.frame_rate_hz = 30;
+    options.steps = 10;
+    options.speed_m_s = 1.4;
+    return GenerateGait(options);
+  }
+  static json Request(const std::string& method) {
+    const std::vector<Placement> sensors = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});
+    const Readings readings = VirtualAccelerations(Walk(), sensors, 60);
+    json request = {{"model", "walk"}, {"method", method}, {"sensors", {{"rate", 60}}}};
+    for (const Placement& sensor : sensors) request["sensors"]["placements"].push_back({{"joint", sensor.joint}});
+    for (Eigen::Index i = 0; i < readings.values.cols(); ++i) {
+      const Eigen::VectorXd row = readings.values.col(i);
+      request["sensors"]["readings"].push_back(std::vector<double>(row.data(), row.data() + row.size()));
+    }
+    return request;
+  }
+  static void ExpectProblem(const RawResponse& response, int status, const std::string& pointer) {
+    EXPECT_EQ(response.status, status) << response.body;
+    EXPECT_EQ(json::parse(response.body).at("errors").at(0).at("pointer"), pointer) << response.body;
+  }
+
+  static testing::TestService* app_;
+};
+testing::TestService* ReconstructionRoutesTest::app_ = nullptr;
+
+TEST_F(ReconstructionRoutesTest, GivesAClipThatComesNearTheTruth) {
+  for (const std::string method : {"graph", "olng"}) {
+    const RawResponse response = Post(Request(method), "application/json");
+    ASSERT_EQ(response.status, 200) << response.body;
+    const json answer = json::parse(response.body);
+    const MotionClip clip = ImportClip(ParseBvh(answer.at("bvh").get<std::string>(), "answer"));
+    EXPECT_LT(CompareClips(clip, Walk()).position_rms_cm, 8) << method;
+    const json& report = answer.at("report");
+    EXPECT_EQ(report.at("frames"), clip.frame_count());
+    EXPECT_EQ(report.at("reconstruction").at("method"), method);
+    EXPECT_EQ(report.at("reconstruction").at("sensors").size(), 4u);
+    EXPECT_EQ(report.contains("steps"), method == "graph");
+    EXPECT_EQ(report.at("reconstruction").at("dead_sensors").size(), 0u);
+  }
+}
+
+TEST_F(ReconstructionRoutesTest, GivesBvhAndTheSameBytesAgain) {
+  const RawResponse first = Post(Request("graph")), again = Post(Request("graph"));
+  ASSERT_EQ(first.status, 200) << first.body;
+  EXPECT_THAT(first.body, HasSubstr("HIERARCHY"));
+  EXPECT_EQ(first.body, again.body);
+  EXPECT_EQ(Post(Request("graph"), "model/gltf-binary").body.substr(0, 4), "glTF");
+  EXPECT_EQ(Post(Request("graph"), "image/png").status, 406);
+}
+
+TEST_F(ReconstructionRoutesTest, NamesWhatWasLost) {
+  json request = Request("graph");
+  for (std::size_t i = 60; i < 90; ++i) {
+    for (json& value : request["sensors"]["readings"][i]) value = nullptr;
+  }
+  for (json& row : request["sensors"]["readings"]) row[3] = row[4] = row[5] = 0;
+  const RawResponse response = Post(request, "application/json");
+  ASSERT_EQ(response.status, 200) << response.body;
+  const json about = json::parse(response.body).at("report").at("reconstruction");
+  EXPECT_EQ(about.at("dead_sensors"), json::array({"right_wrist"}));
+  EXPECT_EQ(about.at("sensors").size(), 3u);
+  EXPECT_NEAR(about.at("longest_gap").get<double>(), 0.5, 0.05);
+  EXPECT_GT(about.at("lost").get<double>(), 0.05);
+  EXPECT_FALSE(about.at("notes").empty());
+}
+
+TEST_F(ReconstructionRoutesTest, RefusesWhatItCannotReadOrMeet) {
+  ExpectProblem(Post(json::array()), 400, "");
+  ExpectProblem(Post({{"model", "walk"}}), 400, "/sensors");
+  json request = Request("graph");
+  request["method"] = "magic";
+  ExpectProblem(Post(request), 400, "/method");
+  request = Request("graph");
+  request["model"] = "dance";
+  ExpectProblem(Post(request), 404, "/model");
+  request = Request("graph");
+  request["sensors"]["readings"][3].erase(0);
+  ExpectProblem(Post(request), 400, "/sensors/readings/3");
+  request = Request("graph");
+  request["sensors"]["readings"][3][1] = "x";
+  ExpectProblem(Post(request), 400, "/sensors/readings/3/1");
+  request = Request("graph");
+  request["sensors"]["times"] = json::array({0, 1});
+  ExpectProblem(Post(request), 400, "/sensors/rate");
+  request = Request("graph");
+  request["sensors"]["placements"][1]["joint"] = "left_wrist";
+  ExpectProblem(Post(request), 400, "/sensors/placements/1/name");
+  request = Request("graph");
+  request["sensors"]["placements"][1]["joint"] = "tail";
+  const RawResponse tail = Post(request);
+  EXPECT_EQ(tail.status, 422) << tail.body;
+  EXPECT_THAT(tail.body, HasSubstr("tail"));
+  request = Request("graph");
+  for (json& row : request["sensors"]["readings"]) row = json(std::vector<double>(12, 0.0));
+  ExpectProblem(Post(request), 422, "/sensors/readings");  // every sensor is dead
+}
+
+}  // namespace
+}  // namespace morphograph

@@ -1,0 +1,155 @@
+// The graph method: readings to a walk, on synthetic walks whose truth is known.
+#include "synthesis/sensors/graph_reconstruction.h"
+
+#include <gtest/gtest.h>
+
+#include "datasets/virtual_sensors.h"
+#include "synthesis/evaluation.h"
+#include "synthesis/sensors/motion_source.h"
+#include "synthesis/sensors/reconstruction.h"
+#include "tests/support/small_model.h"
+
+namespace morphograph {
+namespace {
+
+std::vector<Placement> FourSensors() { return PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"}); }
+
+class GraphReconstructionTest : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    std::vector<TrainingClip> clips;
+    for (auto& [name, clip] : testing::SmallWalks()) clips.push_back({clip, false});
+    TrainingOptions options;
+    options.keep_recordings = true;
+    graph_ = BuildGraph(clips, options);
+    const MotionSource source = SourceOf(*graph_);
+    steps_ = new CapturedSteps(source.clips, source.steps, graph_->layout(), FourSensors());
+    search_ = new StepSearch(*steps_);
+  }
+  static void TearDownTestSuite() {
+    delete search_;
+    delete steps_;
+    graph_.reset();
+  }
+
+  // A walk that training has not seen: another seed and speed, cut in the middle of a step.
+  static MotionClip UnseenWalk(SyntheticGaitTruth* truth) {
+    SyntheticGaitOptions options;
+    options.seed = 4711;
+    options.frame_rate_hz = 30;
+    options.steps = 12;
+    options.speed_m_s = 1.4;
+    options.start_standing = options.stop_standing = false;
+    MotionClip clip = GenerateGait(options, truth);
+    const int cut = 7;
+    for (SyntheticGaitTruth::Strike& strike : truth->strikes) strike.time_s -= cut / 30.0;
+    return clip.Slice(cut, clip.frame_count() - cut);
+  }
+
+  static std::shared_ptr<const MotionGraph> graph_;
+  static CapturedSteps* steps_;
+  static StepSearch* search_;
+};
+std::shared_ptr<const MotionGraph> GraphReconstructionTest::graph_;
+CapturedSteps* GraphReconstructionTest::steps_ = nullptr;
+StepSearch* GraphReconstructionTest::search_ = nullptr;
+
+TEST_F(GraphReconstructionTest, CutsReadingsWhereFeetStrike) {
+  SyntheticGaitTruth truth;
+  const MotionClip walk = UnseenWalk(&truth);
+  const Eigen::MatrixXd readings = VirtualAccelerations(walk, FourSensors(), kSensorRate_hz).values;
+  const std::vector<FoundStep> found = search_->Find(readings);
+  ASSERT_FALSE(found.empty());
+  EXPECT_LE(found.front().start_frame, 0);
+  EXPECT_GE(found.back().end_frame, static_cast<double>(readings.cols() - 1));
+  for (std::size_t k = 1; k < found.size(); ++k) {
+    EXPECT_EQ(found[k].start_frame, found[k - 1].end_frame);
+    EXPECT_NE(found[k].left, found[k - 1].left);
+  }
+  int strikes = 0;
+  for (const SyntheticGaitTruth::Strike& strike : truth.strikes) {
+    const double frame = strike.time_s * kSensorRate_hz;
+    if (frame < 5 || frame > static_cast<double>(readings.cols()) - 6) continue;
+    ++strikes;
+    double nearest = 1e9;
+    for (const FoundStep& step : found) {
+      if (step.left == (strike.foot == Foot::kLeft)) nearest = std::min(nearest, std::abs(step.end_frame - frame));
+    }
+    EXPECT_LE(nearest, 3) << "strike at frame " << frame;
+  }
+  EXPECT_GE(strikes, 7);
+}
+
+TEST_F(GraphReconstructionTest, ComesNearTheTruthWithFeetPlanted) {
+  SyntheticGaitTruth truth;
+  const MotionClip walk = UnseenWalk(&truth);
+  const Eigen::MatrixXd readings = VirtualAccelerations(walk, FourSensors(), kSensorRate_hz).values;
+  const GraphReconstruction made = ReconstructWalk(*graph_, *steps_, *search_, readings);
+  ASSERT_EQ(made.result.clip.frame_count(), readings.cols());
+  const ReconstructionQuality quality = CompareClips(made.result.clip, walk);
+  EXPECT_LT(quality.position_rms_cm, 4);
+  EXPECT_GT(quality.contact_agreement, 0.9);
+  EXPECT_GT(quality.jerk_ratio, 0.5);
+  EXPECT_LT(quality.jerk_ratio, 1.5);
+  // It walks as far as the truth did, since steps carry the root with them.
+  const auto length = [](const MotionClip& clip) { return (clip.root_positions().rightCols(1) - clip.root_positions().leftCols(1)).norm(); };
+  EXPECT_NEAR(length(made.result.clip) / length(walk), 1, 0.1);
+  EXPECT_LT(made.result.report.quality.foot_skate_cm_s, 1.4 * EvaluateClip(walk).quality.foot_skate_cm_s);
+  ASSERT_TRUE(made.result.report.quality.log_likelihood.has_value());
+  EXPECT_TRUE(std::isfinite(*made.result.report.quality.log_likelihood));
+  EXPECT_EQ(made.result.report.style, "brisk");
+  EXPECT_EQ(made.result.report.steps.back().to, readings.cols() - 1);
+}
+
+TEST_F(GraphReconstructionTest, BearsNoiseAndAskewSensors) {
+  SyntheticGaitTruth truth;
+  const MotionClip walk = UnseenWalk(&truth);
+  const Readings readings = WithFaults(VirtualAccelerations(walk, FourSensors(), kSensorRate_hz), {.noise = 1.2, .mounting_rad = 0.17}, 3);
+  EXPECT_LT(CompareClips(ReconstructWalk(*graph_, *steps_, *search_, readings.values).result.clip, walk).position_rms_cm, 5.5);
+}
+
+TEST_F(GraphReconstructionTest, GivesTheSameTwice) {
+  SyntheticGaitTruth truth;
+  const Eigen::MatrixXd readings = VirtualAccelerations(UnseenWalk(&truth), FourSensors(), kSensorRate_hz).values;
+  const MotionClip a = ReconstructWalk(*graph_, *steps_, *search_, readings).result.clip;
+  const MotionSource source = SourceOf(*graph_, 2);
+  const CapturedSteps steps(source.clips, source.steps, graph_->layout(), FourSensors(), true, 2);
+  const MotionClip b = ReconstructWalk(*graph_, steps, StepSearch(steps), readings).result.clip;
+  EXPECT_EQ(a.root_positions(), b.root_positions());
+  for (int j = 0; j < a.joint_count(); ++j) EXPECT_EQ(a.rotation(20, j).coeffs(), b.rotation(20, j).coeffs());
+}
+
+TEST_F(GraphReconstructionTest, RefusesWhatIsTooShortOrOfOtherSensors) {
+  EXPECT_THROW(ReconstructWalk(*graph_, *steps_, *search_, Eigen::MatrixXd::Zero(12, 3)), std::invalid_argument);
+  EXPECT_THROW(ReconstructWalk(*graph_, *steps_, *search_, Eigen::MatrixXd::Zero(9, 60)), std::invalid_argument);
+}
+
+TEST_F(GraphReconstructionTest, MakesSomethingOfReadingsThatAreNoWalk) {
+  Eigen::MatrixXd readings = Eigen::MatrixXd::Zero(12, 90);
+  for (int s = 0; s < 4; ++s) readings.row(3 * s + 1).setConstant(9.81);
+  const GraphReconstruction made = ReconstructWalk(*graph_, *steps_, *search_, readings);
+  EXPECT_EQ(made.result.clip.frame_count(), 90);
+  EXPECT_TRUE(made.result.clip.root_positions().allFinite());
+  EXPECT_GT(made.residual_m_s2, 1);  // and says that it does not fit
+}
+
+// A step between two captured ones, read without noise, comes out between them.
+TEST_F(GraphReconstructionTest, FitsAStepToItsReadings) {
+  const StepBank& bank = steps_->landing(true);
+  const int frames = static_cast<int>(std::lround(std::exp(static_cast<double>(bank.log_durations[0])) * kSensorRate_hz));
+  // A stream whose samples are those of a captured step, at its phases.
+  Eigen::MatrixXd readings(12, 2 * frames);
+  const Eigen::MatrixXd samples = bank.readings.col(0).cast<double>().reshaped(12, kPhaseSamples);
+  for (int f = 0; f < readings.cols(); ++f) {
+    const double at = std::clamp(((f - frames / 2) / static_cast<double>(frames) + kPhaseMargin) / kPhaseSpacing, 0.0, kPhaseSamples - 1.0);
+    const int low = std::min(static_cast<int>(at), kPhaseSamples - 2);
+    readings.col(f) = (1 - (at - low)) * samples.col(low) + (at - low) * samples.col(low + 1);
+  }
+  const FittedStep fitted = FitStep(*steps_, readings, {frames / 2.0 - 0.5 * (frames % 2), frames / 2.0 - 0.5 * (frames % 2) + frames, true}, {.neighbours = 40, .sigma_m_s2 = 0.2});
+  const Eigen::MatrixXd wanted = bank.poses.col(0).cast<double>().reshaped(fitted.poses.rows(), kPhaseSamples);
+  EXPECT_LT((fitted.poses - wanted).bottomRows(fitted.poses.rows() - 6).cwiseAbs().maxCoeff(), 0.15);
+  EXPECT_NEAR(fitted.styles.sum(), 1, 1e-9);
+}
+
+}  // namespace
+}  // namespace morphograph
