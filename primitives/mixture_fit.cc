@@ -2,7 +2,6 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/random/uniform_01.hpp>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -10,6 +9,7 @@
 #include <string>
 
 #include "primitives/gaussian_mixture.h"
+#include "primitives/k_means.h"
 
 namespace morphograph {
 namespace {
@@ -47,61 +47,6 @@ Eigen::MatrixXd Factor(const Eigen::MatrixXd& covariance) {
   return llt.matrixL();
 }
 
-// Starting clusters: k-means++ (Arthur & Vassilvitskii 2007), then Lloyd's iterations.
-struct Clusters {
-  std::vector<int> of_sample;
-  int count = 0;
-};
-
-Clusters StartingClusters(const Eigen::MatrixXd& samples, int components, std::mt19937_64& rng) {
-  const Eigen::Index n = samples.cols();
-  Clusters out;
-  out.of_sample.assign(static_cast<std::size_t>(n), 0);
-  Eigen::MatrixXd centres(samples.rows(), components);
-  Eigen::VectorXd nearest = Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity());
-  boost::random::uniform_01<double> uniform;
-  for (; out.count < components; ++out.count) {
-    Eigen::Index chosen = 0;
-    if (out.count == 0) {
-      chosen = std::min<Eigen::Index>(n - 1, static_cast<Eigen::Index>(uniform(rng) * static_cast<double>(n)));
-    } else {
-      const double total = nearest.sum();
-      if (!(total > 0)) break;  // every sample is a centre already
-      double left = uniform(rng) * total;
-      // A sample at distance 0 is never chosen, so centres are distinct.
-      Eigen::Index last_positive = 0;
-      for (chosen = 0; chosen < n; ++chosen) {
-        if (!(nearest[chosen] > 0)) continue;
-        last_positive = chosen;
-        if ((left -= nearest[chosen]) < 0) break;
-      }
-      if (chosen == n) chosen = last_positive;
-    }
-    centres.col(out.count) = samples.col(chosen);
-    nearest = nearest.cwiseMin((samples.colwise() - samples.col(chosen)).colwise().squaredNorm().transpose());
-  }
-
-  for (int iteration = 0; iteration < kMeansIterations; ++iteration) {
-    bool changed = iteration == 0;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      Eigen::Index best = 0;
-      (centres.leftCols(out.count).colwise() - samples.col(i)).colwise().squaredNorm().minCoeff(&best);
-      changed |= out.of_sample[i] != best;
-      out.of_sample[i] = static_cast<int>(best);
-    }
-    if (!changed) break;
-    Eigen::MatrixXd sums = Eigen::MatrixXd::Zero(samples.rows(), out.count);
-    Eigen::VectorXd counts = Eigen::VectorXd::Zero(out.count);
-    for (Eigen::Index i = 0; i < n; ++i) {
-      sums.col(out.of_sample[i]) += samples.col(i);
-      counts[out.of_sample[i]] += 1;
-    }
-    for (int k = 0; k < out.count; ++k)
-      if (counts[k] > 0) centres.col(k) = sums.col(k) / counts[k];
-  }
-  return out;
-}
-
 class Fitter {
  public:
   Fitter(const Eigen::MatrixXd& samples, const GaussianMixtureOptions& options) : samples_(samples), options_(options) {
@@ -122,8 +67,8 @@ class Fitter {
   };
 
   Run Start(int components, CovarianceForm form, std::mt19937_64& rng) const {
-    const Clusters clusters = StartingClusters(samples_, components, rng);
-    const Eigen::Index n = samples_.cols(), k_count = clusters.count;
+    const KMeans clusters = FitKMeans(samples_, components, kMeansIterations, rng);
+    const Eigen::Index n = samples_.cols(), k_count = clusters.centres.cols();
     Run run;
     run.state.form = form;
     run.state.means.setZero(samples_.rows(), k_count);

@@ -11,6 +11,7 @@
 #include <functional>
 
 #include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/gaussian_estimator.h"
 #include "synthesis/sensors/rbf_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "tests/benchmarks/recordings.h"
@@ -113,6 +114,7 @@ int main(int argc, char** argv) {
   bool tune = false, known_only = false, no_mirror = false;
   std::vector<std::string> wanted = {"rbf", "rbf-raw"};
   RbfOptions rbf;
+  GaussianOptions gaussian;
   CLI::App app("Poses from accelerometers by learned maps");
   app.add_option("--data", data, "folder with bnr and cmu")->required();
   app.add_flag("--tune", tune, "the clips to tune on, not those to test on");
@@ -127,8 +129,19 @@ int main(int argc, char** argv) {
   app.add_option("--ridge", rbf.map.ridge, "of a map");
   app.add_option("--evidence", rbf.evidence, "of a reading");
   app.add_option("--window", rbf.window, "frames");
+  app.add_option("--g-components", gaussian.reduction.components, "of a pose, gaussian");
+  app.add_option("--g-centres", gaussian.map.centres, "of a map, gaussian");
+  app.add_option("--g-evidence", gaussian.evidence, "of a reading, gaussian");
+  app.add_option("--g-readings", gaussian.control_readings, "compared");
+  app.add_option("--g-stride", gaussian.control_stride, "frames between them");
+  app.add_option("--g-damping", gaussian.damping, "of the motion carried on");
+  app.add_option("--g-smoothness", gaussian.smoothness_weight, "weight");
+  app.add_option("--g-control", gaussian.control_weight, "weight");
+  app.add_option("--g-ridge", gaussian.map.ridge, "of a map, gaussian");
+  app.add_option("--fit-frames", rbf.clusters.fit_frames, "frames of clusters");
   CLI11_PARSE(app, argc, argv);
-  rbf.jobs = 2;
+  rbf.jobs = gaussian.jobs = 2;
+  gaussian.clusters = rbf.clusters;
 
   const auto rbf_method = [](const std::string& name, const RbfOptions& options) {
     return Method{name, [options](const MotionBase& base) {
@@ -137,9 +150,16 @@ int main(int argc, char** argv) {
                     return [model]() -> std::unique_ptr<PoseEstimator> { return std::make_unique<RbfEstimator>(model); };
                   }};
   };
+  const auto gaussian_method = [](const std::string& name, const GaussianOptions& options) {
+    return Method{name, [options](const MotionBase& base) {
+                    auto model = std::make_shared<const GaussianModel>(base, options);
+                    return [model]() -> std::unique_ptr<PoseEstimator> { return std::make_unique<GaussianEstimator>(model); };
+                  }};
+  };
   std::vector<Method> methods;
   for (const std::string& name : wanted) {
     RbfOptions options = rbf;
+    if (name == "gaussian") methods.push_back(gaussian_method(name, gaussian));
     if (name == "rbf") methods.push_back(rbf_method(name, options));
     if (name == "rbf-raw") options.window = 1, methods.push_back(rbf_method("rbf without window", options));
     if (name == "rbf-xie") options.choice = ClusterChoice::kNearestMean, methods.push_back(rbf_method("rbf, nearest cluster", options));

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <CLI/CLI.hpp>
+#include <algorithm>
 #include <filesystem>
 #include <memory>
 #include <string>
@@ -47,16 +47,19 @@ struct Split {
 /// Which of the clips that a rule picks: to tune on, or to test on. Neither is ever in the base.
 enum class Purpose { kTune, kTest };
 
-/// Known style: of all clips in order every 30th from the 16th is to test on, from the 1st to tune on; the base is the rest.
-inline Split KnownStyle(const std::vector<Recording>& all, Purpose purpose) {
-  Split split{"known style", {}, {}};
+/// Of all clips in order, every `step`-th from the (step/2 + 1)-th is to test on, from the 1st to tune on; the base is the rest.
+inline Split ClipOut(const std::vector<Recording>& all, std::size_t step, Purpose purpose) {
+  Split split{"clip out", {}, {}};
   for (std::size_t i = 0; i < all.size(); ++i) {
-    const bool tests = i % 30 == 15, tunes = i % 30 == 0;
+    const bool tests = i % step == step / 2, tunes = i % step == 0;
     if (purpose == Purpose::kTest ? tests : tunes) split.unseen.push_back(all[i]);
     else if (!tests && !tunes) split.base.push_back(all[i].common);
   }
   return split;
 }
+
+/// The clips of known styles: every 30th.
+inline Split KnownStyle(const std::vector<Recording>& all, Purpose purpose) { return ClipOut(all, 30, purpose); }
 
 /// Unseen group (style or subject): the base is all other groups; of the group's clips in order every `step`-th from the (step/2 + 1)-th is to test on, from the
 /// 1st to tune on.

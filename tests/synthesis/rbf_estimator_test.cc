@@ -7,29 +7,18 @@
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 
-#include "datasets/retarget.h"
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "tests/support/random_matrix.h"
-#include "tests/synthesis/gait_clips.h"
+#include "tests/synthesis/small_base.h"
 
 namespace morphograph {
 namespace {
 
 using ::testing::HasSubstr;
 
-const std::vector<std::string> kJoints = {"left_wrist", "right_wrist", "left_ankle", "right_ankle"};
-
-std::vector<MotionClip> Walks(int count) {
-  std::vector<MotionClip> clips = testing::GaitClips(1, count, [](SyntheticGaitOptions&) {});
-  for (MotionClip& clip : clips) clip = Retarget(clip, clips.front().shared_skeleton());
-  return clips;
-}
-
-const MotionBase& SmallBase() {
-  static const MotionBase base(Walks(5), PlacementsAtJoints(kJoints), {});
-  return base;
-}
+using testing::SmallBase;
+using testing::UnseenWalk;
 
 RbfOptions SmallOptions() {
   RbfOptions options;
@@ -41,10 +30,6 @@ RbfOptions SmallOptions() {
 std::shared_ptr<const RbfModel> SmallModel() {
   static const auto model = std::make_shared<const RbfModel>(SmallBase(), SmallOptions());
   return model;
-}
-
-MotionClip UnseenWalk() {
-  return Retarget(testing::GaitClip(99, [](SyntheticGaitOptions& options) { options.speed_m_s = 1.22; }), SmallBase().shared_skeleton());
 }
 
 TEST(PoseChannels, ComeBackAndMeasureHowFarJointsAreApart) {
@@ -204,7 +189,7 @@ TEST(RbfEstimator, SaysWhatIsWrong) {
   RbfOptions options = SmallOptions();
   options.window = 0;
   EXPECT_THROW(RbfModel(SmallBase(), options), std::invalid_argument);
-  EXPECT_THROW(RbfModel(MotionBase(Walks(2), {}, {}), SmallOptions()), std::invalid_argument);
+  EXPECT_THROW(RbfModel(MotionBase(testing::WalksOnOneSkeleton(2), {}, {}), SmallOptions()), std::invalid_argument);
 }
 
 }  // namespace

@@ -1,0 +1,139 @@
+#include "synthesis/sensors/class_forest.h"
+
+#include <xgboost/c_api.h>
+
+#include <boost/random/uniform_int_distribution.hpp>
+#include <cmath>
+#include <limits>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <stdexcept>
+#include <string>
+#include <type_traits>
+
+namespace morphograph {
+namespace {
+
+constexpr int kBins = 64;
+
+void CheckXgboost(int status) {
+  if (status != 0) throw std::runtime_error(std::string("XGBoost: ") + XGBGetLastError());
+}
+
+struct FreeMatrix {
+  void operator()(void* handle) const { XGDMatrixFree(handle); }
+};
+struct FreeBooster {
+  void operator()(void* handle) const { XGBoosterFree(handle); }
+};
+using Matrix = std::unique_ptr<void, FreeMatrix>;
+using BoosterPtr = std::unique_ptr<void, FreeBooster>;
+
+// One tree that tells `ones` from the rest, as XGBoost writes it.
+nlohmann::json GrowTree(void* matrix, const std::vector<float>& ones, Eigen::Index features, int depth, std::uint64_t seed) {
+  CheckXgboost(XGDMatrixSetFloatInfo(matrix, "label", ones.data(), ones.size()));
+  const DMatrixHandle seen[] = {matrix};
+  BoosterHandle handle = nullptr;
+  CheckXgboost(XGBoosterCreate(seen, 1, &handle));
+  const BoosterPtr booster(handle);
+  const auto set = [&](const char* name, const std::string& value) { CheckXgboost(XGBoosterSetParam(handle, name, value.c_str())); };
+  set("objective", "reg:squarederror");  // its splits are those of the Gini index, see random_forest.cc
+  set("base_score", "0.5");
+  set("lambda", "0");
+  set("subsample", "0.632");
+  const double tried = std::ceil(std::sqrt(static_cast<double>(features)));
+  set("colsample_bynode", std::to_string(std::min(1.0, (tried + 0.01) / static_cast<double>(features))));
+  set("tree_method", "hist");
+  set("max_bin", std::to_string(kBins));
+  set("max_depth", std::to_string(depth));
+  set("min_child_weight", "5");
+  set("seed", std::to_string(seed));
+  set("nthread", "1");
+  set("verbosity", "0");
+  CheckXgboost(XGBoosterUpdateOneIter(handle, 0, matrix));
+  bst_ulong length = 0;
+  const char* text = nullptr;
+  CheckXgboost(XGBoosterSaveModelToBuffer(handle, R"({"format": "json"})", &length, &text));
+  return nlohmann::json::parse(text, text + length).at("learner").at("gradient_booster").at("model").at("trees").at(0);
+}
+
+}  // namespace
+
+ClassForest::ClassForest(const Eigen::MatrixXf& samples, const std::vector<int>& labels, int classes, const ClassForestOptions& options) {
+  const auto fail = [](const std::string& what) { throw std::invalid_argument("ClassForest: " + what); };
+  const Eigen::Index count = samples.cols(), features = samples.rows();
+  if (static_cast<Eigen::Index>(labels.size()) != count || count < 1 || features < 1)
+    fail(std::to_string(labels.size()) + " labels for " + std::to_string(count) + " samples of " + std::to_string(features) + " features");
+  if (!samples.allFinite()) fail("samples hold values that are not finite");
+  for (const int label : labels)
+    if (label < 0 || label >= classes) fail("label " + std::to_string(label) + " of " + std::to_string(classes) + " classes");
+  if (options.trees < 1 || options.depth < 1 || options.most_samples < 1) fail("needs a tree, a level and a sample at least");
+
+  const Eigen::Index taken = std::min<Eigen::Index>(count, options.most_samples);
+  Eigen::MatrixXf seen(features, taken);
+  std::vector<int> seen_labels;
+  for (Eigen::Index i = 0; i < taken; ++i) {
+    const Eigen::Index from = i * count / taken;
+    seen.col(i) = samples.col(from);
+    seen_labels.push_back(labels[static_cast<std::size_t>(from)]);
+  }
+  DMatrixHandle handle = nullptr;
+  CheckXgboost(XGDMatrixCreateFromMat(seen.data(), static_cast<bst_ulong>(taken), static_cast<bst_ulong>(features),
+                                      std::numeric_limits<float>::quiet_NaN(), &handle));
+  const Matrix matrix(handle);
+  std::mt19937_64 rng(options.seed);
+  std::vector<int> leaf_numbers;
+  int leaves = 0;
+  for (int t = 0; t < options.trees; ++t) {
+    // Half of the classes, another half every time.
+    std::vector<float> code(static_cast<std::size_t>(classes), 0);
+    std::vector<int> order(code.size());
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = static_cast<int>(k);
+    for (std::size_t k = order.size(); k > 1; --k)
+      std::swap(order[k - 1], order[boost::random::uniform_int_distribution<std::size_t>(0, k - 1)(rng)]);
+    for (std::size_t k = 0; k < order.size() / 2; ++k) code[static_cast<std::size_t>(order[k])] = 1;
+    std::vector<float> ones;
+    for (const int label : seen_labels) ones.push_back(code[static_cast<std::size_t>(label)]);
+    const nlohmann::json tree = GrowTree(handle, ones, features, options.depth, rng() >> 33);
+    const auto left = tree.at("left_children").get<std::vector<int>>(), right = tree.at("right_children").get<std::vector<int>>();
+    const auto feature = tree.at("split_indices").get<std::vector<int>>();
+    const auto threshold = tree.at("split_conditions").get<std::vector<float>>();
+    const auto first = static_cast<int>(nodes_.size());
+    roots_.push_back(first);
+    for (std::size_t n = 0; n < left.size(); ++n) {
+      Node node;
+      if (left[n] < 0) {
+        node.left = leaves++;
+      } else {
+        node = {feature[n], threshold[n], first + left[n], first + right[n]};
+      }
+      nodes_.push_back(node);
+    }
+  }
+  shares_.setZero(classes, leaves);
+  for (Eigen::Index i = 0; i < count; ++i)
+    for (const int root : roots_) shares_(labels[static_cast<std::size_t>(i)], LeafOf(root, samples.col(i))) += 1;
+  for (int leaf = 0; leaf < leaves; ++leaf) {
+    const float sum = shares_.col(leaf).sum();
+    if (sum > 0) shares_.col(leaf) /= sum;
+    else shares_.col(leaf).setConstant(1.f / static_cast<float>(classes));
+  }
+}
+
+int ClassForest::LeafOf(int root, const Eigen::VectorXf& sample) const {
+  int at = root;
+  while (nodes_[static_cast<std::size_t>(at)].feature >= 0) {
+    const Node& node = nodes_[static_cast<std::size_t>(at)];
+    at = sample[node.feature] < node.threshold ? node.left : node.right;
+  }
+  return nodes_[static_cast<std::size_t>(at)].left;
+}
+
+Eigen::VectorXf ClassForest::Probabilities(const Eigen::VectorXf& sample) const {
+  Eigen::VectorXf sum = Eigen::VectorXf::Zero(classes());
+  for (const int root : roots_) sum += shares_.col(LeafOf(root, sample));
+  return sum / static_cast<float>(roots_.size());
+}
+
+}  // namespace morphograph
