@@ -9,7 +9,9 @@
 #include "datasets/resample.h"
 #include "datasets/retarget.h"
 #include "synthesis/evaluation.h"
+#include "synthesis/sensors/gaussian_estimator.h"
 #include "synthesis/sensors/graph_reconstruction.h"
+#include "synthesis/sensors/marker_estimator.h"
 #include "synthesis/sensors/motion_source.h"
 #include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/rbf_estimator.h"
@@ -98,6 +100,12 @@ class StreamReconstructor : public Reconstructor {
   std::shared_ptr<const Model> model_;
 };
 
+template <typename Estimator, typename Model>
+std::shared_ptr<const Reconstructor> MakeStreams(const std::shared_ptr<const MotionGraph>& graph, ReconstructionMethod method, std::vector<Placement> sensors,
+                                                 std::shared_ptr<const MotionBase> base, std::shared_ptr<const Model> model) {
+  return std::make_shared<StreamReconstructor<Model, Estimator>>(graph, method, std::move(sensors), std::move(base), std::move(model));
+}
+
 }  // namespace
 
 std::string_view MethodName(ReconstructionMethod method) {
@@ -132,16 +140,31 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
   MotionBaseOptions options;
   options.frame_rate_hz = kReconstructionRate_hz;
   options.jobs = jobs;
-  const auto base = std::make_shared<const MotionBase>(source.clips, sensors, options);
+  const bool markers = method == ReconstructionMethod::kMarkers;
+  const auto base = std::make_shared<const MotionBase>(source.clips, markers ? std::vector<Placement>() : sensors, options);
   switch (method) {
-    case ReconstructionMethod::kOlng:
-      return std::make_shared<StreamReconstructor<OlngModel, OlngEstimator>>(graph, method, std::move(sensors), base, std::make_shared<const OlngModel>(base, OlngOptions()));
     case ReconstructionMethod::kRbf: {
       RbfOptions rbf;
       rbf.jobs = jobs;
-      return std::make_shared<StreamReconstructor<RbfModel, RbfEstimator>>(graph, method, std::move(sensors), base, std::make_shared<const RbfModel>(*base, rbf));
+      return MakeStreams<RbfEstimator>(graph, method, std::move(sensors), base, std::make_shared<const RbfModel>(*base, rbf));
     }
-    default: throw UnsatisfiableRequest("/method", "'" + std::string(MethodName(method)) + "' does not exist yet in this version");
+    case ReconstructionMethod::kGaussian: {
+      GaussianOptions gaussian;
+      gaussian.jobs = jobs;
+      return MakeStreams<GaussianEstimator>(graph, method, std::move(sensors), base, std::make_shared<const GaussianModel>(*base, gaussian));
+    }
+    case ReconstructionMethod::kMarkers: {
+      MarkerOptions given;
+      given.jobs = jobs;
+      std::vector<Placement> all = FullBodyMarkers(source.clips);
+      for (const Placement& sensor : sensors) {
+        given.given.push_back(sensor.name);
+        std::erase_if(all, [&](const Placement& marker) { return marker.name == sensor.name; });
+        all.push_back(sensor);
+      }
+      return MakeStreams<MarkerEstimator>(graph, method, std::move(sensors), base, std::make_shared<const MarkerModel>(*base, all, given));
+    }
+    default: return MakeStreams<OlngEstimator>(graph, method, std::move(sensors), base, std::make_shared<const OlngModel>(base, OlngOptions()));
   }
 }
 
