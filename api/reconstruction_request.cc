@@ -43,4 +43,23 @@ ReconstructionBody ParseReconstructionBody(std::string_view text) {
   return body;
 }
 
+StreamHead ParseStreamHead(std::string_view text) {
+  const nlohmann::json document = ParseUntrustedJson(text);
+  Findings findings("the first line");
+  StreamHead head;
+  if (!document.is_object()) {
+    findings.Malformed("", "must be an object with \"model\", \"method\" and \"placements\"");
+    findings.ThrowIfAny();
+  }
+  ObjectReader reader(document, "", &findings);
+  head.model = reader.Required("model", reader.Text("model"), "the name of a model that is served").value_or("");
+  const auto method = ParseMethod(reader.Text("method").value_or("olng"));
+  if (!method || *method == ReconstructionMethod::kGraph) findings.Malformed("/method", "must be \"olng\", \"rbf\", \"gaussian\" or \"markers\"");
+  head.method = method.value_or(ReconstructionMethod::kOlng);
+  head.placements = ReadPlacementList(&reader, &findings);
+  reader.RefuseOthers();
+  findings.ThrowIfAny();
+  return head;
+}
+
 }  // namespace morphograph

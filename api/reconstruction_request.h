@@ -19,4 +19,12 @@ struct ReconstructionBody {
 /// @throws ProblemError, as ParseClipRequest().
 ReconstructionBody ParseReconstructionBody(std::string_view json);
 
+/// The first line of a stream: `{"model", "method", "placements"}`.
+struct StreamHead {
+  std::string model;
+  ReconstructionMethod method = ReconstructionMethod::kOlng;
+  std::vector<Placement> placements;
+};
+StreamHead ParseStreamHead(std::string_view json);
+
 }  // namespace morphograph

@@ -7,7 +7,9 @@
 #include "api/clip_response.h"
 #include "api/default_model.h"
 #include "api/glb_writer.h"
+#include "api/problem.h"
 #include "api/reconstruction_report.h"
+#include "api/reconstruction_stream.h"
 #include "datasets/bvh_reader.h"
 #include "datasets/clip_conversion.h"
 #include "datasets/error_reason.h"
@@ -23,6 +25,7 @@ struct ReconstructFlags {
   std::string model, method, input, placements, out, report, truth, channels = "portable", unit = "source";
   double frame_rate_hz = 0;
   int jobs = 0;
+  bool stream = false;
 };
 
 OutputFormat FormatOf(const ReconstructFlags& flags) {
@@ -41,10 +44,30 @@ ReconstructionQuality ErrorsAgainst(const ReconstructFlags& flags, const MotionC
   }
 }
 
+// Lines of readings from standard input, lines of poses to standard output.
+void ReconstructLive(const ReconstructFlags& flags, const std::shared_ptr<const MotionGraph>& graph) {
+  const ReconstructionMethod method = ParseMethod(flags.method).value();
+  const std::vector<Placement> placements = ReadPlacements(flags.placements);
+  const int jobs = flags.jobs > 0 ? flags.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  ReconstructionStream stream(MakeReconstructor(graph, method, placements, jobs));
+  std::string line;
+  for (int number = 1; std::getline(std::cin, line); ++number) {
+    try {
+      std::cout << stream.Push(line) << std::flush;
+    } catch (const ProblemError& error) {
+      throw DatasetError("standard input", number, 0, ProblemLine(error.problem()));
+    }
+  }
+  std::cout << stream.Finish();
+}
+
 void Reconstruct(const ReconstructFlags& flags) {
+  if (flags.stream ? flags.placements.empty() || !flags.input.empty() || !flags.out.empty() : flags.input.empty() || flags.out.empty())
+    throw UsageError(flags.stream ? "reconstruct: --stream takes --placements, and neither --input nor --out" : "reconstruct: give --input and --out, or --stream");
   if (!flags.report.empty() && IsSameFile(flags.out, flags.report)) throw UsageError("reconstruct: --out and --report name the same file");
   const std::shared_ptr<const MotionGraph> graph = flags.model.empty() ? LoadDefaultModel() : LoadModel(flags.model);
   if (!graph) throw UsageError("reconstruct: this program was built without a default model; give --model");
+  if (flags.stream) return ReconstructLive(flags, graph);
   ReconstructionRequest request;
   request.method = ParseMethod(flags.method).value();
   request.source = flags.input;
@@ -82,9 +105,10 @@ void AddReconstruct(CLI::App* program, Work* work) {
   verb->add_option("--method", flags->method, "graph, olng, rbf or gaussian of accelerations, markers of marker positions")
       ->required()
       ->check(CLI::IsMember({"graph", "olng", "rbf", "gaussian", "markers"}));
-  verb->add_option("--input", flags->input, "Readings: CSV (time,<sensor>.x,<sensor>.y,<sensor>.z,...), TRC, raw sensor files")->required();
+  verb->add_option("--input", flags->input, "Readings: CSV (time,<sensor>.x,<sensor>.y,<sensor>.z,...), TRC, raw sensor files");
   verb->add_option("--placements", flags->placements, "Where the sensors sit, JSON; absent: at the joints that they are called after");
-  verb->add_option("--out", flags->out, "File (.bvh or .glb)")->required();
+  verb->add_option("--out", flags->out, "File (.bvh or .glb)");
+  verb->add_flag("--stream", flags->stream, "Readings as lines of JSON on standard input, poses as lines of JSON on standard output, frame by frame");
   verb->add_option("--report", flags->report, "Where the report goes");
   verb->add_option("--truth", flags->truth, "BVH of the true motion, to tell errors against");
   verb->add_option("--frame-rate", flags->frame_rate_hz, "Frames per second of the clip; 30 when absent")->check(CLI::Range(1.0, 240.0));

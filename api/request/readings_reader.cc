@@ -73,18 +73,24 @@ void ReadTimes(ObjectReader* reader, std::size_t samples, Readings* readings) {
 
 }  // namespace
 
+std::vector<Placement> ReadPlacementList(ObjectReader* reader, Findings* findings) {
+  std::vector<Placement> placements;
+  std::set<std::string> names;
+  const json* list = reader->List("placements", 1, kMostSensors, "placements");
+  if (!list && !reader->Has("placements")) findings->Malformed(reader->At("placements"), "required: where the sensors sit");
+  for (std::size_t i = 0; list && i < list->size() && !findings->full(); ++i) {
+    const std::string at = reader->At("placements") + "/" + std::to_string(i);
+    placements.push_back(ReadPlacement((*list)[i], at, findings));
+    if (!names.insert(placements.back().name).second) findings->Malformed(at + "/name", "two placements have this name");
+  }
+  return placements;
+}
+
 PlacedReadings ReadPlacedReadings(const json& object, const std::string& pointer, Findings* findings) {
   PlacedReadings placed;
   ObjectReader reader(object, pointer, findings);
-  std::set<std::string> names;
-  const json* placements = reader.List("placements", 1, kMostSensors, "placements");
-  if (!placements && !reader.Has("placements")) findings->Malformed(reader.At("placements"), "required: where the sensors sit");
-  for (std::size_t i = 0; placements && i < placements->size() && !findings->full(); ++i) {
-    const std::string at = reader.At("placements") + "/" + std::to_string(i);
-    placed.placements.push_back(ReadPlacement((*placements)[i], at, findings));
-    if (!names.insert(placed.placements.back().name).second) findings->Malformed(at + "/name", "two placements have this name");
-    placed.readings.names.push_back(placed.placements.back().name);
-  }
+  placed.placements = ReadPlacementList(&reader, findings);
+  for (const Placement& placement : placed.placements) placed.readings.names.push_back(placement.name);
   const json* rows = reader.List("readings", 1, kMostSamples, "samples");
   if (!rows && !reader.Has("readings")) findings->Malformed(reader.At("readings"), "required: a row a sample, three numbers a sensor");
   ReadTimes(&reader, rows ? rows->size() : 0, &placed.readings);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "api/request/findings.h"
+#include "api/request/object_reader.h"
 #include "datasets/placements.h"
 #include "datasets/readings.h"
 
@@ -15,6 +16,9 @@ struct PlacedReadings {
   Readings readings;
   std::vector<Placement> placements;  // one a sensor, in order
 };
+
+/// Reads the member "placements": one or more, each with a name of its own.
+std::vector<Placement> ReadPlacementList(ObjectReader* reader, Findings* findings);
 
 /// Reads `{"rate", "placements", "readings"}`: a row a sample, three numbers a sensor, null for what was lost; "times" in seconds may stand in place of "rate".
 PlacedReadings ReadPlacedReadings(const nlohmann::json& object, const std::string& pointer, Findings* findings);

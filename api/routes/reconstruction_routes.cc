@@ -1,5 +1,7 @@
 // POST /v1/reconstructions
+#include <algorithm>
 #include <chrono>
+#include <nlohmann/json.hpp>
 
 #include "api/clip_response.h"
 #include "api/content_negotiation.h"
@@ -7,6 +9,7 @@
 #include "api/problem.h"
 #include "api/reconstruction_report.h"
 #include "api/reconstruction_request.h"
+#include "api/reconstruction_stream.h"
 #include "api/routes.h"
 #include "api/routes/request_parts.h"
 #include "datasets/errors.h"
@@ -26,7 +29,60 @@ ReconstructedReadings Reconstruct(Service* service, const ServedModel& model, co
   }
 }
 
+constexpr const char* kNdjson = "application/x-ndjson";
+
+std::string_view TakeLine(std::string_view* text) {
+  const std::size_t end = std::min(text->find('\n'), text->size());
+  const std::string_view line = text->substr(0, end);
+  text->remove_prefix(std::min(end + 1, text->size()));
+  return line;
+}
+
+// The first line says what to reconstruct with; an answer line a frame follows as the lines with readings are worked off.
+HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) {
+  if (ChooseMediaType(request.Header("Accept"), {kNdjson, "application/jsonl"}) < 0) throw ProblemError(406, "streams are answered as application/x-ndjson");
+  struct Answer {
+    std::string body;
+    std::string_view rest;
+    std::unique_ptr<ReconstructionStream> stream;
+    int line = 1;
+    bool done = false;
+  };
+  const auto answer = std::make_shared<Answer>();
+  answer->body = request.body;
+  answer->rest = answer->body;
+  const StreamHead head = ParseStreamHead(TakeLine(&answer->rest));
+  const std::shared_ptr<const ServedModel> model = FindServed(service->models, head.model);
+  answer->stream = std::make_unique<ReconstructionStream>(service->reconstructors.Get(model->graph, head.method, head.placements));
+
+  HttpResponse response;
+  response.Set("Content-Type", kNdjson);
+  response.Set("Cache-Control", "no-store");
+  response.Set("Morphograph-Model", model->graph->hash());
+  response.more = [answer]() -> std::string {
+    std::string lines;
+    try {
+      while (lines.empty() && !answer->rest.empty()) {
+        ++answer->line;
+        lines = answer->stream->Push(TakeLine(&answer->rest));
+      }
+      if (lines.empty() && !answer->done) {
+        answer->done = true;
+        lines = answer->stream->Finish();
+      }
+    } catch (const ProblemError& error) {
+      // The answer is under way: the last line says why it ends.
+      answer->rest = {};
+      answer->done = true;
+      lines = nlohmann::ordered_json({{"error", {{"line", answer->line}, {"detail", ProblemLine(error.problem())}}}}).dump() + "\n";
+    }
+    return lines;
+  };
+  return response;
+}
+
 HttpResponse CreateReconstruction(Service* service, const HttpRequest& request) {
+  if (EqualsIgnoringCase(MediaTypeOf(request.Header("Content-Type")), kNdjson)) return StreamReconstruction(service, request);
   const int form = ChooseMediaType(request.Header("Accept"), {"text/plain", "application/json", "model/gltf-binary"});
   if (form < 0) throw ProblemError(406, "a clip is given as text/plain (BVH), application/json or model/gltf-binary");
   const ReconstructionBody body = ParseReconstructionBody(ClipRequestText(request));

@@ -205,20 +205,25 @@ void MotionBase::PelvisPose(const Eigen::VectorXd& rotations, WorldPose* pose) c
 
 MotionClip MotionBase::Assemble(const std::vector<BasePose>& poses) const {
   MotionClip clip(skeleton_, frame_rate_hz_, static_cast<int>(poses.size()));
-  double heading = 0;
-  Eigen::Vector3d place = Eigen::Vector3d::Zero();
-  for (std::size_t f = 0; f < poses.size(); ++f) {
-    if (f > 0) {
-      place += Yaw(heading) * Eigen::Vector3d(poses[f].step[0], 0, poses[f].step[1]);
-      heading += poses[f].step[2];
-    }
-    std::vector<Eigen::Quaterniond> local = LocalRotations(poses[f].rotations);
-    Eigen::Quaterniond& root = local[static_cast<std::size_t>(skeleton_->moving_root())];
-    root = Yaw(heading) * root;
-    std::copy(local.begin(), local.end(), &clip.rotation(static_cast<int>(f), 0));
-    clip.root_positions().col(static_cast<int>(f)) = Eigen::Vector3d(place.x(), poses[f].height_m, place.z());
+  PoseAssembler assembler(*this);
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    const PlacedPose placed = assembler.Add(poses[static_cast<std::size_t>(f)]);
+    std::copy(placed.rotations.begin(), placed.rotations.end(), &clip.rotation(f, 0));
+    clip.root_positions().col(f) = placed.root_m;
   }
   return clip;
+}
+
+PlacedPose PoseAssembler::Add(const BasePose& pose) {
+  if (!first_) {
+    place_ += Yaw(heading_) * Eigen::Vector3d(pose.step[0], 0, pose.step[1]);
+    heading_ += pose.step[2];
+  }
+  first_ = false;
+  PlacedPose placed{base_.LocalRotations(pose.rotations), Eigen::Vector3d(place_.x(), pose.height_m, place_.z())};
+  Eigen::Quaterniond& root = placed.rotations[static_cast<std::size_t>(base_.skeleton().moving_root())];
+  root = Yaw(heading_) * root;
+  return placed;
 }
 
 }  // namespace morphograph

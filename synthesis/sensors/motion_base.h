@@ -71,7 +71,7 @@ class MotionBase {
   /// Every joint of the skeleton seen from the moving root, in its own axes (the pelvis frame).
   void PelvisPose(const Eigen::VectorXd& rotations, WorldPose* pose) const;
 
-  /// Poses one after the other as a clip, from the origin facing +Z: steps are added up, heights are kept.
+  /// Poses as a clip, put together by PoseAssembler.
   MotionClip Assemble(const std::vector<BasePose>& poses) const;
 
  private:
@@ -84,6 +84,26 @@ class MotionBase {
   std::vector<Eigen::Quaterniond> mean_rotations_;
   std::vector<int> clip_of_, source_of_;
   Eigen::MatrixXf rotations_, positions_, accelerations_, travel_;
+};
+
+/// A pose where it stands in the world.
+struct PlacedPose {
+  std::vector<Eigen::Quaterniond> rotations;  // of every joint of the skeleton: local, the moving root's in the world
+  Eigen::Vector3d root_m;
+};
+
+/// Puts poses one after the other, from the origin facing +Z: steps are added up, heights are kept.
+class PoseAssembler {
+ public:
+  /// @param base  must outlive the assembler.
+  explicit PoseAssembler(const MotionBase& base) : base_(base) {}
+  PlacedPose Add(const BasePose& pose);
+
+ private:
+  const MotionBase& base_;
+  bool first_ = true;
+  double heading_ = 0;
+  Eigen::Vector3d place_ = Eigen::Vector3d::Zero();
 };
 
 }  // namespace morphograph

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 #include "datasets/bvh_reader.h"
 #include "datasets/clip_conversion.h"
@@ -133,6 +135,38 @@ TEST_F(ReconstructionRoutesTest, RefusesWhatItCannotReadOrMeet) {
   request = Request("graph");
   for (json& row : request["sensors"]["readings"]) row = json(std::vector<double>(12, 0.0));
   ExpectProblem(Post(request), 422, "/sensors/readings");  // every sensor is dead
+}
+
+// What goes in line by line comes out line by line, as from the whole.
+TEST_F(ReconstructionRoutesTest, StreamsPosesForLinesOfReadings) {
+  const json request = Request("olng");
+  std::string body = json({{"model", "walk"}, {"method", "olng"}, {"placements", request["sensors"]["placements"]}}).dump() + "\n";
+  int n = 0;
+  for (const json& row : request["sensors"]["readings"]) body += json({{"time", n++ / 60.0}, {"readings", row}}).dump() + "\n";
+  const auto ask = [](const std::string& lines) {
+    return testing::Ask(app_->port, "POST", "/v1/reconstructions", "Content-Type: application/x-ndjson\r\nAccept: application/x-ndjson\r\n", lines);
+  };
+  const RawResponse response = ask(body);
+  ASSERT_EQ(response.status, 200) << response.body;
+  std::vector<json> poses;
+  std::istringstream lines(response.body);
+  for (std::string line; std::getline(lines, line);) poses.push_back(json::parse(line));
+  EXPECT_NEAR(static_cast<double>(poses.size()), n / 2.0, 3);
+  for (std::size_t k = 0; k < poses.size(); ++k) {
+    EXPECT_NEAR(poses[k].at("time").get<double>(), static_cast<double>(k) / 30, 1e-4);
+    for (const auto& [joint, q] : poses[k].at("rotations").items()) {
+      const Eigen::Vector4d wxyz(q[0].get<double>(), q[1].get<double>(), q[2].get<double>(), q[3].get<double>());
+      ASSERT_NEAR(wxyz.norm(), 1, 1e-3) << joint;
+    }
+  }
+  // It walks: some metres from where it began.
+  EXPECT_GT(std::hypot(poses.back()["root"][0].get<double>(), poses.back()["root"][2].get<double>()), 1.5);
+
+  EXPECT_EQ(ask("{}\n").status, 400);
+  const RawResponse broken = ask(body.substr(0, body.find('\n', body.size() / 2) + 1) + "{\"time\": 99}\n");
+  ASSERT_EQ(broken.status, 200);
+  EXPECT_THAT(broken.body, HasSubstr("\"error\""));
+  EXPECT_THAT(broken.body, HasSubstr("/readings"));
 }
 
 }  // namespace

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "datasets/live_repair.h"
+#include "synthesis/sensors/reconstruction.h"
+
+namespace morphograph {
+
+/// A reconstruction that goes on while readings come in: lines of JSON in, lines of JSON out.
+///
+/// In: `{"time": 0.02, "readings": [ax, ay, az, …]}`, three numbers a sensor, null where lost. Out, one line a frame at kReconstructionRate_hz:
+/// `{"time": 0.0333, "root": [x, y, z], "rotations": {"Hips": [w, x, y, z], …}}`: the moving root's place (m, from the origin, facing +Z at first) and every joint's
+/// rotation from its parent, the moving root's in the world.
+class ReconstructionStream {
+ public:
+  /// @throws UnsatisfiableRequest ("/method") for kGraph, which needs all readings at once.
+  explicit ReconstructionStream(std::shared_ptr<const Reconstructor> reconstructor);
+
+  /// Lines that are now due, each with its end of line; empty while the stream settles (LiveRepair). Blank lines are passed over.
+  /// @throws ProblemError (400) naming what is wrong with the line.
+  std::string Push(std::string_view line);
+  /// What is still due at the end.
+  std::string Finish();
+
+ private:
+  std::string Lines(const std::vector<Eigen::VectorXd>& samples);
+
+  std::shared_ptr<const Reconstructor> reconstructor_;
+  std::unique_ptr<PoseEstimator> estimator_;
+  LiveRepair repair_;
+  PoseAssembler assembler_;
+  std::int64_t frames_ = 0;
+};
+
+}  // namespace morphograph
