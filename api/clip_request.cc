@@ -18,6 +18,7 @@ namespace {
 using nlohmann::json;
 
 constexpr double kMaxHeading_deg = 1e6;
+constexpr std::size_t kMaxActions = 100;
 
 // Fields of the contract that come with later releases.
 const std::vector<std::string_view> kFutureFields = {"sensors", "markers", "input"};
@@ -31,6 +32,39 @@ void ReadSeed(ObjectReader* reader, ClipRequest* request) {
     return;
   }
   request->seed = value->get<std::uint64_t>();
+}
+
+// [{"action": "walk", "until": 3}, {"action": "run"}]: all but the last say until when.
+void ReadActions(ObjectReader* reader, Findings* findings, ClipRequest* request) {
+  const json* list = reader->List("actions", 2, kMaxActions, "actions");
+  if (!list) return;
+  if (request->action) findings->Malformed("/actions", "give either \"action\" or \"actions\"");
+  double from_s = 0;
+  for (std::size_t i = 0; i < list->size(); ++i) {
+    const std::string pointer = "/actions/" + std::to_string(i);
+    if (!(*list)[i].is_object()) {
+      findings->Malformed(pointer, "must be an object, not " + std::string((*list)[i].type_name()));
+      continue;
+    }
+    ObjectReader part((*list)[i], pointer, findings);
+    const auto action = part.Required("action", part.Text("action"), "one of the model's actions");
+    const bool last = i + 1 == list->size();
+    const std::optional<double> until_s = part.Finite("until");
+    if (last && part.Has("until")) findings->Malformed(pointer + "/until", "the last action goes on to the clip's end");
+    if (!last) part.Required("until", until_s, "seconds from the clip's start at which the next action begins");
+    part.RefuseOthers();
+    const std::string& before = request->changes.empty() ? request->action.value_or("") : request->changes.back().action;
+    if (i > 0 && action && *action == before) findings->Malformed(pointer + "/action", "must be another one than the one before it");
+    if (i == 0) {
+      request->action = action;
+    } else {
+      request->changes.push_back({from_s, action.value_or("")});
+    }
+    if (!last && until_s && !(*until_s > from_s)) {
+      findings->Malformed(pointer + "/until", i == 0 ? "must be above 0 seconds" : "must be after the \"until\" of the one before it");
+    }
+    from_s = until_s.value_or(from_s);
+  }
 }
 
 // "walking", "slow_step" or "standing".
@@ -110,11 +144,26 @@ void CheckStart(const ClipRequest& request, Findings* findings) {
     findings->Unmeetable("/start/heading", "at most " + NumberText(kMaxHeading_deg) + " degrees either way");
 }
 
+// A change of action against what else is asked for.
+void CheckActions(const ClipRequest& request, Findings* findings) {
+  if (request.changes.empty()) return;
+  if (request.steps) findings->Unmeetable("/steps", "a clip that changes its action has a duration, not a number of steps");
+  if (!request.control.empty()) {
+    findings->Unmeetable("/actions", "a clip that changes its action cannot be told where to go or what to do on its way");
+  }
+  const double duration_s = request.duration_s.value_or(kDefaultDuration_s);
+  for (std::size_t i = 0; i < request.changes.size(); ++i) {
+    if (request.changes[i].at_s < duration_s) continue;
+    findings->Unmeetable("/actions/" + std::to_string(i) + "/until", "the clip is over after " + NumberText(duration_s) + " seconds");
+  }
+}
+
 void Check(const ClipRequest& request, const ClipRequestRules& rules, Findings* findings) {
   if (rules.model_required && request.model.empty() && !findings->any())
     findings->Malformed("/model", "required: the name of a model that is served");
   CheckExtent(request, findings);
   CheckStart(request, findings);
+  CheckActions(request, findings);
   if (findings->any()) return;  // of a malformed request nothing more can be said
   ClipExtent extent{request.duration_s, request.steps, request.start_position_m};
   if (!extent.start_m && !request.control.path) extent.start_m = Eigen::Vector2d::Zero();
@@ -133,6 +182,7 @@ ClipRequest ParseFields(std::string_view text, const ClipRequestRules& rules, in
   request.model = reader.Text("model").value_or("");
   ReadSeed(&reader, &request);
   request.action = reader.Text("action");
+  ReadActions(&reader, &findings, &request);
   request.style = reader.Text("style");
   request.duration_s = reader.Finite("duration");
   request.steps = reader.Whole("steps", 1, kMaxSteps);
@@ -172,7 +222,15 @@ std::string CanonicalJson(const ClipRequest& request) {
   nlohmann::ordered_json out = nlohmann::ordered_json::object();
   if (!request.model.empty()) out["model"] = request.model;
   if (request.seed) out["seed"] = *request.seed;
-  if (request.action) out["action"] = *request.action;
+  if (request.action && request.changes.empty()) out["action"] = *request.action;
+  if (!request.changes.empty()) {
+    auto& actions = out["actions"];
+    actions.push_back({{"action", request.action.value_or("")}});
+    for (const ActionFrom& change : request.changes) {
+      actions.back()["until"] = change.at_s;
+      actions.push_back({{"action", change.action}});
+    }
+  }
   if (request.style) out["style"] = *request.style;
   if (request.duration_s) out["duration"] = *request.duration_s;
   if (request.steps) out["steps"] = *request.steps;
@@ -196,6 +254,7 @@ SynthesisRequest ToSynthesisRequest(const ClipRequest& request) {
   SynthesisRequest out;
   out.seed = *request.seed;
   out.action = request.action;
+  out.changes = request.changes;
   out.style = request.style;
   out.duration_s = request.duration_s;
   out.steps = request.steps;

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "synthesis/synthesis_types.h"
 
@@ -24,7 +25,8 @@ struct OutputFormat {
 struct ClipRequest {
   std::string model;  // empty only where the caller has one already
   std::optional<std::uint64_t> seed;
-  std::optional<std::string> action;  // the model's own when empty
+  std::optional<std::string> action;  // the model's own when empty; of a clip that changes its action, the first
+  std::vector<ActionFrom> changes;    // "actions" but for the first: each from where the one before it is over
   std::optional<std::string> style;
   std::optional<double> duration_s;
   std::optional<int> steps;

@@ -90,9 +90,12 @@ std::string ReportJson(const SynthesisReport& report) {
   ordered_json json = {{"seed", report.seed},
                        {"model", {{"name", report.model_name}, {"hash", report.model_hash}}},
                        {"action", report.action},
+                       {"actions", ordered_json::array()},
                        {"style", report.style},
                        {"duration", report.duration_s},
                        {"frames", report.frames}};
+  for (const ActionSpan& span : report.actions) json["actions"].push_back({{"action", span.action}, {"from", span.from}});
+  if (report.actions.empty()) json.erase("actions");
   auto& steps = json["steps"] = ordered_json::array();
   for (const StepReport& step : report.steps) {
     steps.push_back({{"primitive", step.primitive},

@@ -69,6 +69,20 @@ ordered_json EdgeJson(const EdgeSummary& edge) {
           {"unseen_error", edge.unseen_error}};
 }
 
+ordered_json ChangeJson(const ChangeSummary& change) {
+  const auto effort = [](const ChangeEffort& of) { return ordered_json{{"speed", of.speed_m_s2}, {"body", of.body_m_s2}}; };
+  return {{"name", change.name},
+          {"style", change.style},
+          {"from_action", change.from_action},
+          {"to_action", change.to_action},
+          {"from", change.from},
+          {"to", change.to},
+          {"examples", change.examples},
+          {"near_examples", change.near_examples},
+          {"least", effort(change.least)},
+          {"captured", effort(change.captured)}};
+}
+
 // A DOT string: quotes and backslashes escaped.
 std::string Quoted(const std::string& text) {
   std::string quoted = "\"";
@@ -115,6 +129,8 @@ ordered_json ModelJson(const GraphSummary& summary, const std::string& name) {
   for (const ActionSummary& action : summary.actions) {
     json["actions"].push_back({{"name", action.name}, {"styles", action.styles}});
   }
+  auto& changes = json["changes"] = ordered_json::array();
+  for (const ChangeSummary& change : summary.changes) changes.push_back(ChangeJson(change));
   for (const StyleBoundaries& style : summary.boundaries) {
     json["boundaries"].push_back(
         {{"action", style.action}, {"style", style.style}, {"start_from", NamesJson(style.starts)}, {"end", NamesJson(style.ends)}});
@@ -169,6 +185,16 @@ std::string GraphDot(const GraphSummary& summary) {
            " [label=" + Quoted(Format("%.2f", edge.probability)) +
            ", penwidth=" + Format("%.2f", 0.5 + 2.5 * edge.probability) + "];\n";
   }
+  // Made steps, which only walks take that are asked to change.
+  for (std::size_t c = 0; c < summary.changes.size(); ++c) {
+    const ChangeSummary& change = summary.changes[c];
+    const std::string node = "  c" + std::to_string(c);
+    dot += node + " [label=" + Quoted(change.name) + ", style=\"rounded,dashed\"];\n";
+    for (const EdgeSummary& edge : summary.edges) {
+      if (edge.to == change.from) dot += "  p" + std::to_string(edge.from) + " -> c" + std::to_string(c) + " [style=dashed];\n";
+      if (edge.from == change.to) dot += node + " -> p" + std::to_string(edge.to) + " [style=dashed];\n";
+    }
+  }
   return dot + "}\n";
 }
 
@@ -217,6 +243,12 @@ std::string GraphText(const GraphSummary& summary) {
     text += Format("%-*.130s  %5d %11.3f %12.4g %9.4g %9.4g %9.4g %14.2f %12.3f\n", 2 * width + 4, ends.c_str(), edge.pairs,
                    edge.probability, edge.length_scale, edge.signal_variance, edge.linear_variance, edge.noise_variance,
                    edge.log_marginal_likelihood, edge.unseen_error);
+  }
+  if (!summary.changes.empty()) text += "\nmade steps from one action into another, taken where a clip is asked to change\n";
+  for (const ChangeSummary& change : summary.changes) {
+    text += "- " + (change.style.empty() ? "" : change.style + "/") + change.name + ": begins as " +
+            summary.primitives.at(static_cast<std::size_t>(change.from)).name + ", ends as " +
+            summary.primitives.at(static_cast<std::size_t>(change.to)).name + "\n";
   }
   if (!summary.notes.empty()) text += "\nnotes\n";
   for (const std::string& note : summary.notes) text += "- " + note + "\n";

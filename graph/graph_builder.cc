@@ -1,9 +1,9 @@
 #include "graph/graph_builder.h"
 
 #include <algorithm>
-#include <set>
 
 #include "datasets/parallel_for.h"
+#include "graph/action_change_fit.h"
 #include "graph/internal/training_progress.h"
 #include "graph/manner_fit.h"
 #include "graph/model_io.h"
@@ -118,16 +118,10 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   });
   if (options.variant.manner) FitManners(set, &fitted);
   contents.edges = FitEdges(set, fitted, options, &progress, &notes);
+  contents.changes = FindActionChanges(set, fitted, contents.action, &notes);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 
   NoteMissingPrimitives(contents, &notes);
-  std::set<std::string> other_actions;
-  for (const GraphStyle& style : contents.styles) other_actions.insert(style.other_action);
-  for (const std::string& other : other_actions) {
-    if (!other.empty()) {
-      notes.push_back(contents.action + " to " + other + " and back: no transitions, as every clip shows one action from beginning to end");
-    }
-  }
   for (size_t p = 0; p < contents.primitives.size(); ++p) {
     const bool leaves = std::any_of(contents.edges.begin(), contents.edges.end(),
                                     [&](const GraphEdge& edge) { return edge.from == static_cast<int>(p); });

@@ -83,6 +83,11 @@ GraphSummary Summarise(const MotionGraph& graph) {
                              model.signal_variance, model.linear_variance, model.noise_variance, model.log_marginal_likelihood,
                              model.unseen_error});
   }
+  for (const ActionChange& change : graph.changes()) {
+    const PrimitiveSummary &from = summary.primitives[static_cast<size_t>(change.from)], &to = summary.primitives[static_cast<size_t>(change.to)];
+    summary.changes.push_back({change.name, from.style, from.action, to.action, change.from, change.to, change.examples,
+                               change.near_examples, change.least, change.captured});
+  }
   return summary;
 }
 

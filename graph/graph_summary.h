@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "graph/action_change.h"
 #include "graph/walk_boundary.h"
 #include "primitives/keyframe.h"
 
@@ -46,6 +47,18 @@ struct EdgeSummary {
   double unseen_error = 0;  // see TransitionModel
 };
 
+/// A made step from one action of a style into another, see ActionChange.
+struct ChangeSummary {
+  std::string name;
+  std::string style;
+  std::string from_action, to_action;
+  int from = 0;  // indices into `primitives`
+  int to = 0;
+  int examples = 0;
+  int near_examples = 0;
+  ChangeEffort least, captured;
+};
+
 /// An action and the styles that show it.
 struct ActionSummary {
   std::string name;
@@ -73,6 +86,7 @@ struct GraphSummary {
   std::vector<std::string> notes;  // what training could not learn, dead ends, …
   std::vector<PrimitiveSummary> primitives;
   std::vector<EdgeSummary> edges;
+  std::vector<ChangeSummary> changes;
 };
 
 GraphSummary Summarise(const MotionGraph& graph);

@@ -159,6 +159,17 @@ json RecordingsToJson(const RecordedMotion& motion, ArrayWriter* arrays) {
           {"rotations", arrays->Shorts(motion.rotations)}};
 }
 
+json ChangeToJson(const ActionChange& change) {
+  const auto effort = [](const ChangeEffort& of) { return json{{"speed_m_s2", of.speed_m_s2}, {"body_m_s2", of.body_m_s2}}; };
+  return {{"name", change.name},
+          {"from", change.from},
+          {"to", change.to},
+          {"examples", change.examples},
+          {"near_examples", change.near_examples},
+          {"least", effort(change.least)},
+          {"captured", effort(change.captured)}};
+}
+
 json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
   const ModelProvenance& provenance = graph.provenance();
   json styles = json::array(), primitives = json::array(), edges = json::array();
@@ -183,6 +194,7 @@ json GraphToJson(const MotionGraph& graph, ArrayWriter* arrays) {
           {"styles", styles},
           {"primitives", primitives},
           {"edges", edges}};
+  for (const ActionChange& change : graph.changes()) model["changes"].push_back(ChangeToJson(change));
   if (graph.layout().rotation_form() == RotationForm::kEuler) model["rotations"] = kEulerName;
   if (graph.recordings()) model["recordings"] = RecordingsToJson(*graph.recordings(), arrays);
   return model;
@@ -320,6 +332,13 @@ RecordedMotion RecordingsFromJson(const json& value, const ArrayReader& arrays) 
   return motion;
 }
 
+ActionChange ChangeFromJson(const json& value) {
+  const auto effort = [](const json& of) { return ChangeEffort{of.at("speed_m_s2").get<double>(), of.at("body_m_s2").get<double>()}; };
+  return {value.at("name").get<std::string>(), value.at("from").get<int>(),          value.at("to").get<int>(),
+          value.at("examples").get<int>(),     value.at("near_examples").get<int>(), effort(value.at("least")),
+          effort(value.at("captured"))};
+}
+
 GraphContents ContentsFromJson(const json& value, const ArrayReader& arrays) {
   GraphContents contents;
   contents.name = value.at("name").get<std::string>();
@@ -348,6 +367,9 @@ GraphContents ContentsFromJson(const json& value, const ArrayReader& arrays) {
   for (const json& edge : value.at("edges")) contents.edges.push_back(EdgeFromJson(edge, arrays));
   if (value.contains("recordings"))
     contents.recordings = std::make_shared<const RecordedMotion>(RecordingsFromJson(value.at("recordings"), arrays));
+  if (value.contains("changes")) {
+    for (const json& change : value.at("changes")) contents.changes.push_back(ChangeFromJson(change));
+  }
   return contents;
 }
 

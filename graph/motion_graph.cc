@@ -72,6 +72,17 @@ void CheckEdge(const GraphEdge& edge, size_t index, const std::vector<MotionPrim
   Require(model.probability > 0 && model.probability <= 1 + 1e-9, name + "probability is not in (0, 1]");
 }
 
+void CheckChange(const ActionChange& change, const GraphContents& contents) {
+  const std::string name = "change '" + change.name + "': ";
+  const int count = static_cast<int>(contents.primitives.size());
+  Require(change.from >= 0 && change.from < count && change.to >= 0 && change.to < count, name + "joins no such primitives");
+  const MotionPrimitive &from = contents.primitives[change.from], &to = contents.primitives[change.to];
+  const GraphStyle &before = contents.styles[from.style_index], &after = contents.styles[to.style_index];
+  Require(before.name == after.name && before.other_action != after.other_action, name + "does not lead from one action of a style into another");
+  Require(from.start == to.start && from.end == to.end, name + "its steps are not of the same foot");
+  Require(std::isfinite(change.captured.speed_m_s2) && std::isfinite(change.captured.body_m_s2), name + "a number is not finite");
+}
+
 }  // namespace
 
 struct MotionGraph::Storage {
@@ -113,6 +124,7 @@ MotionGraph::MotionGraph(GraphContents contents, std::string hash) {
     leaving[contents.edges[i].from] += contents.edges[i].model.probability;
     storage->out_edges[contents.edges[i].from].push_back(static_cast<int>(i));
   }
+  for (const ActionChange& change : contents.changes) CheckChange(change, contents);
   for (size_t i = 0; i < leaving.size(); ++i) {
     Require(storage->out_edges[i].empty() || std::abs(leaving[i] - 1) < 1e-6,
             "chances of leaving primitive '" + contents.primitives[i].name + "' do not sum to 1");
@@ -141,6 +153,7 @@ const std::shared_ptr<const Skeleton>& MotionGraph::shared_skeleton() const {
   return storage_->header.layout.shared_skeleton();
 }
 const std::shared_ptr<const RecordedMotion>& MotionGraph::recordings() const { return storage_->header.recordings; }
+const std::vector<ActionChange>& MotionGraph::changes() const { return storage_->header.changes; }
 const std::vector<GraphStyle>& MotionGraph::styles() const { return storage_->header.styles; }
 
 std::vector<std::string> MotionGraph::style_names(const std::string& action) const {

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "graph/action_change.h"
 #include "graph/transition_model.h"
 #include "primitives/motion_primitive.h"
 #include "primitives/pose_layout.h"
@@ -59,6 +60,7 @@ struct GraphContents {
   std::vector<MotionPrimitive> primitives;
   std::vector<GraphEdge> edges;
   std::shared_ptr<const RecordedMotion> recordings;  // what it was learned from, where that is kept
+  std::vector<ActionChange> changes = {};
 };
 
 /// The learned motion graph: vertex = primitive, edge = transition. Immutable and safe to share between threads.
@@ -102,6 +104,8 @@ class MotionGraph {
   const TransitionModel& transition(int id) const;
   /// Edge ids that leave a primitive, by ascending id.
   const std::vector<int>& out_edges(int primitive) const;
+  /// Made steps from one action into another, which no edge leads to: walks take them only where they are asked to.
+  const std::vector<ActionChange>& changes() const;
   bool is_dead_end(int primitive) const { return out_edges(primitive).empty(); }
 
  private:

@@ -13,6 +13,7 @@ namespace morphograph {
 struct WalkStep {
   int primitive = 0;
   int edge = -1;              // that led here; -1 for the first
+  int change = -1;            // of the graph's changes, where this step begins as one of another action; `edge` then led to that one
   int component = 0;          // of the primitive's mixture
   Eigen::VectorXd whitened;   // latent, whitened by that component
   Eigen::VectorXd latent;

@@ -24,7 +24,7 @@ double MarginBefore(const StepShape& shape) { return -TimeWarp::FromLogSlopes(sh
 
 double MarginAfter(const StepShape& shape) { return TimeWarp::FromLogSlopes(shape.log_slopes)(1 + kPhaseMargin) - 1; }
 
-StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
+StepTrack LayOutStep(int style, const StepShape& shape, const ContactProfile& contacts, double start, double frame_rate_hz,
                      int first_frame, int last_frame) {
   static const UniformCubicSpline spline(kPhaseSamples);
   const double step_frames = shape.duration_s * frame_rate_hz;
@@ -36,7 +36,7 @@ StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, d
     positions[i] = (warp.Inverse(source_phase) + kPhaseMargin) / kPhaseSpacing;
   }
   StepTrack track;
-  track.style = primitive.style_index;
+  track.style = style;
   track.start = start;
   track.end = start + step_frames;
   track.first_frame = first_frame;
@@ -46,7 +46,7 @@ StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, d
     const double position = std::clamp(positions[i], 0.0, kPhaseSamples - 1.001);
     const int sample = static_cast<int>(position);
     const double t = position - sample;
-    track.contacts.col(i) = (1 - t) * primitive.contacts.col(sample) + t * primitive.contacts.col(sample + 1);
+    track.contacts.col(i) = (1 - t) * contacts.col(sample) + t * contacts.col(sample + 1);
   }
   return track;
 }

@@ -30,7 +30,8 @@ double MarginAfter(const StepShape& shape);
 
 /// Lays out a step that starts at time `start` at the clip's frames [first_frame, last_frame].
 /// Frames beyond the step's margins repeat the margin's last pose.
-StepTrack LayOutStep(const MotionPrimitive& primitive, const StepShape& shape, double start, double frame_rate_hz,
+/// @param contacts  of the step, on the canonical timeline.
+StepTrack LayOutStep(int style, const StepShape& shape, const ContactProfile& contacts, double start, double frame_rate_hz,
                      int first_frame, int last_frame);
 
 /// Turns rotations of another form (see RotationForm) into log maps about the style's means, for those that follow.

@@ -14,6 +14,7 @@
 namespace morphograph {
 
 /// What can be asked for. Clip requests are held against the same bounds, so that what they let in can be made.
+inline constexpr double kDefaultDuration_s = 5;  // of clips that say nothing of it
 inline constexpr double kMaxDuration_s = 600;
 inline constexpr int kMaxSteps = 1000;
 inline constexpr double kMinFrameRate_hz = 1;
@@ -32,11 +33,19 @@ struct StartGiven {
   bool heading = false;
 };
 
+/// From about that time on the clip shows another action.
+struct ActionFrom {
+  double at_s = 0;
+  std::string action;
+};
+
 /// What to synthesise. Either `duration_s` or `steps`; neither means as long as a path or a goal takes, and 5 s without them. A clip
 /// that does not end inside the walk has as many steps as bring it nearest to its duration.
 struct SynthesisRequest {
   std::uint64_t seed = 0;
   std::optional<std::string> action;  // any of the graph's actions; its own when empty
+  /// Changes of action, in time order, each to another action than before. Such a clip has a duration and no control terms.
+  std::vector<ActionFrom> changes = {};
   std::optional<std::string> style;   // any of that action's styles; drawn by the seed when empty
   std::optional<double> duration_s;   // (0, kMaxDuration_s]
   std::optional<int> steps;           // [1, kMaxSteps]
@@ -51,9 +60,15 @@ struct SynthesisRequest {
   std::optional<std::pair<std::string, std::string>> FirstProblem() const;
 };
 
+/// What a clip shows from a frame on.
+struct ActionSpan {
+  std::string action;
+  int from = 0;
+};
+
 /// One step of the walk over the graph; frames [from, to] of the clip.
 struct StepReport {
-  std::string primitive;
+  std::string primitive;  // or the made step of a change
   int from = 0;
   int to = 0;
   double log_likelihood = 0;
@@ -78,7 +93,8 @@ struct SynthesisReport {
   std::uint64_t seed = 0;
   std::string model_name;
   std::string model_hash;
-  std::string action;
+  std::string action;  // the first, where it changes
+  std::vector<ActionSpan> actions;  // of a clip that changes its action: each from the made step that leads into it
   std::string style;
   double duration_s = 0;
   int frames = 0;

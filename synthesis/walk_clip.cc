@@ -25,10 +25,26 @@ std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnS
     // The last step, where it ends the walk, is followed by its margin.
     const int last = k + 1 < walk.size() ? std::min(frames, static_cast<int>(std::ceil(walk[k].end + after))) : frames;
     const MotionPrimitive& primitive = graph.primitive(walk[k].step.primitive);
-    tracks.push_back(LayOutStep(primitive, walk[k].shape, walk[k].start, rate_hz, first, std::max(first, last)));
+    tracks.push_back(LayOutStep(primitive.style_index, walk[k].shape, walk[k].contacts.value_or(primitive.contacts), walk[k].start, rate_hz,
+                                first, std::max(first, last)));
     ToLogMaps(graph.layout(), graph.styles()[primitive.style_index].mean_rotations, &tracks.back());
   }
   return tracks;
+}
+
+// Where the feet of a walk touch the floor: as in its first action, and as low as in any.
+FeetGeometry FeetOf(const MotionGraph& graph, const std::vector<DrawnStep>& walk) {
+  const auto feet_of = [&](const DrawnStep& step) -> const FeetGeometry& {
+    return graph.styles()[static_cast<size_t>(graph.primitive(step.step.primitive).style_index)].feet;
+  };
+  FeetGeometry feet = feet_of(walk.front());
+  for (const DrawnStep& step : walk) {
+    for (int side = 0; side < 2; ++side) {
+      feet.heel_lowest_m[side] = std::min(feet.heel_lowest_m[side], feet_of(step).heel_lowest_m[side]);
+      feet.ball_lowest_m[side] = std::min(feet.ball_lowest_m[side], feet_of(step).ball_lowest_m[side]);
+    }
+  }
+  return feet;
 }
 
 }  // namespace
@@ -37,7 +53,7 @@ MotionClip MakeWalkClip(const MotionGraph& graph, const std::vector<DrawnStep>& 
                         const StartPose& start, const SynthesisVariant& variant) {
   const GraphStyle& style = graph.styles()[graph.primitive(walk.at(0).step.primitive).style_index];
   JoinedSteps joined = JoinSteps(graph, LayOut(graph, walk, frames, frame_rate_hz), frames, frame_rate_hz, start, variant.cross_fade);
-  if (variant.foot_lock) LockFeet(style.feet, graph.layout(), joined.contacts, {}, &joined.clip);
+  if (variant.foot_lock) LockFeet(FeetOf(graph, walk), graph.layout(), joined.contacts, {}, &joined.clip);
   BendToes(&joined.clip);
   joined.clip.style = style.name;
   return std::move(joined.clip);

@@ -10,7 +10,7 @@
 namespace morphograph {
 
 /// The motion of a drawn walk: steps laid out on the clip's frames, joined over their margins, planted feet locked, toes kept above the floor.
-/// @param walk  one or more steps of one style.
+/// @param walk  one or more steps of one style, of one action or with made steps between them.
 MotionClip MakeWalkClip(const MotionGraph& graph, const std::vector<DrawnStep>& walk, int frames, double frame_rate_hz,
                         const StartPose& start, const SynthesisVariant& variant = {});
 

@@ -13,9 +13,24 @@ std::vector<StepReport> ReportSteps(const MotionGraph& graph, const std::vector<
     const int from = steps.empty() ? 0 : static_cast<int>(std::ceil(drawn.start));
     if (from >= frames) break;
     const int to = &drawn == &walk.back() ? frames - 1 : std::min(frames - 1, static_cast<int>(std::ceil(drawn.end)) - 1);
-    steps.push_back({graph.primitive(drawn.step.primitive).name, from, std::max(from, to), drawn.step.log_likelihood});
+    const int change = drawn.step.change;
+    const std::string& name =
+        change < 0 ? graph.primitive(drawn.step.primitive).name : graph.changes()[static_cast<std::size_t>(change)].name;
+    steps.push_back({name, from, std::max(from, to), drawn.step.log_likelihood});
   }
   return steps;
+}
+
+// What a walk shows, from its first step and from each made step on; empty where it never changes.
+std::vector<ActionSpan> ReportActions(const MotionGraph& graph, const DrawnWalk& walk, const std::vector<StepReport>& steps) {
+  std::vector<ActionSpan> spans;
+  for (std::size_t s = 0; s < steps.size(); ++s) {
+    const WalkStep& step = walk.steps[s].step;
+    const int style = graph.primitive(step.primitive).style_index;
+    if (s == 0 || step.change >= 0) spans.push_back({graph.action_of(graph.styles()[static_cast<std::size_t>(style)]), steps[s].from});
+  }
+  if (spans.size() < 2) spans.clear();
+  return spans;
 }
 
 }  // namespace
@@ -32,6 +47,7 @@ SynthesisReport DescribeWalk(const MotionGraph& graph, const DrawnWalk& walk, co
   report.frames = walk.frames;
   report.duration_s = clip.duration_s();
   report.steps = ReportSteps(graph, walk.steps, walk.frames);
+  report.actions = ReportActions(graph, walk, report.steps);
   for (int f = 0; f < walk.frames; ++f) {
     const Eigen::Vector3d root = clip.root_positions().col(f);
     report.path_m.emplace_back(root.x(), root.z());

@@ -190,6 +190,33 @@ TEST(ClipRequest, NamesAnAction) {
   EXPECT_EQ(Verdict(R"({"model":"walk","action":""})"), "400 /action");
 }
 
+TEST(ClipRequest, NamesActionsOneAfterTheOther) {
+  const std::string text = R"({"model":"walk","seed":3,"actions":[{"action":"walk","until":2.5},{"action":"run","until":3.5},{"action":"walk"}]})";
+  const ClipRequest request = ParseClipRequest(text);
+  EXPECT_EQ(CanonicalJson(request), text);
+  const SynthesisRequest asked = ToSynthesisRequest(request);
+  EXPECT_EQ(asked.action, "walk");
+  ASSERT_EQ(asked.changes.size(), 2u);
+  EXPECT_EQ(asked.changes[0].action, "run");
+  EXPECT_EQ(asked.changes[0].at_s, 2.5);
+  EXPECT_EQ(asked.changes[1].at_s, 3.5);
+  const auto verdict = [](const std::string& actions, const std::string& more = "") {
+    return Verdict(R"({"model":"walk",)" + more + R"("actions":)" + actions + "}");
+  };
+  EXPECT_EQ(verdict(R"([{"action":"walk"}])"), "400 /actions");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"run"}])", R"("action":"run",)"), "400 /actions");
+  EXPECT_EQ(verdict(R"([{"action":"walk"},{"action":"run"}])"), "400 /actions/0/until");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":0},{"action":"run"}])"), "400 /actions/0/until");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"run","until":3}])"), "400 /actions/1/until");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"run","until":2},{"action":"walk"}])"), "400 /actions/1/until");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"walk"}])"), "400 /actions/1/action");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2,"at":3},{"action":"run"}])"), "400 /actions/0/at");
+  EXPECT_EQ(verdict(R"([3,{"action":"run"}])"), "400 /actions/0");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":5},{"action":"run"}])"), "422 /actions/0/until");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"run"}])", R"("steps":9,)"), "422 /steps");
+  EXPECT_EQ(verdict(R"([{"action":"walk","until":2},{"action":"run"}])", R"("goal":{"position":[0,4]},)"), "422 /actions");
+}
+
 TEST(ClipRequest, ModelMayBeLeftOutWhereTheCallerHasOne) {
   EXPECT_NO_THROW(ParseClipRequest(R"({"steps":2})", {.model_required = false}));
 }

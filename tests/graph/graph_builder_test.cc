@@ -189,10 +189,22 @@ TEST(GraphBuilder, AnotherActionStandsBesideTheFirstAndLeavesItAsItWas) {
   for (int e = 0; e < both->edge_count(); ++e) {
     EXPECT_EQ(both->primitive(both->edge_from(e)).style_index, both->primitive(both->edge_to(e)).style_index);
   }
-  EXPECT_THAT(summary.notes, Contains(HasSubstr("walk to run and back: no transitions")));
+  // Steps of both are alike, so they lead into each other; by made steps, not by edges.
+  ASSERT_EQ(summary.changes.size(), 4u);
+  for (const ChangeSummary& change : summary.changes) {
+    EXPECT_EQ(change.style, "brisk");
+    EXPECT_NE(change.from_action, change.to_action);
+    EXPECT_GT(change.near_examples, change.examples / 2) << change.name;
+    EXPECT_LT(change.least.speed_m_s2, change.captured.speed_m_s2) << change.name;
+  }
+  EXPECT_THAT(summary.notes, Contains(HasSubstr("left_walk_to_run (brisk): made for ")));
+  EXPECT_TRUE(walk->changes().empty());
   // The file keeps all of it.
   const auto read = ParseModel(SerialiseModel(*both), "file");
   EXPECT_EQ(read->hash(), both->hash());
+  ASSERT_EQ(read->changes().size(), 4u);
+  EXPECT_EQ(read->changes()[1].name, both->changes()[1].name);
+  EXPECT_EQ(read->changes()[1].captured.body_m_s2, both->changes()[1].captured.body_m_s2);
   EXPECT_THAT(read->action_names(), ::testing::ElementsAre("walk", "run"));
 }
 

@@ -125,6 +125,66 @@ TEST(MotionSynthesizer, ClipsShowTheActionThatIsAskedFor) {
   EXPECT_EQ(refusal().find("/action the model has no action 'crawl'; it has walk, run"), 0u) << refusal();
 }
 
+// Names of the made steps of a clip.
+std::vector<std::string> MadeSteps(const SynthesisReport& report) {
+  std::vector<std::string> names;
+  for (const StepReport& step : report.steps) {
+    if (step.primitive.find("_to_") != std::string::npos) names.push_back(step.primitive.substr(step.primitive.find('_') + 1));
+  }
+  return names;
+}
+
+TEST(MotionSynthesizer, ChangesItsActionWhenItIsAskedTo) {
+  const auto both = testing::ModelOfTwoActions();
+  SynthesisRequest request = Request(5, 9);
+  EXPECT_TRUE(MadeSteps(Synthesize(*both, request).report).empty());
+  EXPECT_TRUE(Synthesize(*both, request).report.actions.empty());
+
+  request.changes = {{.at_s = 3, .action = "run"}, {.at_s = 6, .action = "walk"}};
+  const SynthesisResult result = Synthesize(*both, request);
+  EXPECT_THAT(MadeSteps(result.report), ::testing::ElementsAre("walk_to_run", "run_to_walk"));
+  EXPECT_EQ(result.report.style, "brisk") << "the only one that does both";
+  ASSERT_EQ(result.report.actions.size(), 3u);
+  EXPECT_EQ(result.report.actions[0].action, "walk");
+  EXPECT_EQ(result.report.actions[1].action, "run");
+  EXPECT_NEAR(result.report.actions[1].from, 90, 10);
+  EXPECT_EQ(result.report.actions[2].action, "walk");
+  EXPECT_NEAR(result.report.actions[2].from, 180, 10);
+  EXPECT_EQ(result.clip.frame_count(), 271);
+  for (const StepReport& step : result.report.steps) {
+    const std::string wanted = step.to < result.report.actions[1].from || step.from >= result.report.actions[2].from ? "_walk" : "_run";
+    EXPECT_TRUE(step.primitive.ends_with(wanted)) << step.primitive << " from frame " << step.from;
+  }
+  // As smooth and as firm on its feet as a clip of one action.
+  const SynthesisResult plain = Synthesize(*both, Request(5, 9));
+  EXPECT_LT(result.report.quality.foot_skate_cm_s, 1.2 * plain.report.quality.foot_skate_cm_s + 1);
+  EXPECT_LT(result.report.quality.contact_distance_m, 1.2 * plain.report.quality.contact_distance_m + 0.001);
+}
+
+TEST(MotionSynthesizer, RefusesChangesOfActionThatNoStyleCanMake) {
+  const auto both = testing::ModelOfTwoActions();
+  const auto refusal = [&](const SynthesisRequest& request) -> std::string {
+    try {
+      Synthesize(*both, request);
+    } catch (const UnsatisfiableRequest& error) {
+      return error.pointer() + " " + error.what();
+    }
+    return "made";
+  };
+  SynthesisRequest request = Request(1, 6);
+  request.changes = {{.at_s = 3, .action = "run"}};
+  request.style = "slow";
+  EXPECT_THAT(refusal(request), ::testing::AllOf(::testing::StartsWith("/actions/1/action style 'slow' cannot change from 'walk' to 'run'"),
+                                                 ::testing::HasSubstr("can change as asked: brisk")));
+  request.changes[0].action = "crawl";
+  EXPECT_THAT(refusal(request), ::testing::StartsWith("/actions/1/action the model has no action 'crawl'; it has walk, run"));
+  request.changes = {{.at_s = 7, .action = "run"}};
+  EXPECT_THROW(Synthesize(*both, request), std::invalid_argument) << "after its end";
+  request.changes = {{.at_s = 3, .action = "run"}};
+  request.control.goal = GoalTerm{.position_m = Eigen::Vector2d(0, 5)};
+  EXPECT_THROW(Synthesize(*both, request), std::invalid_argument) << "on a way";
+}
+
 TEST(MotionSynthesizer, SteeredClipsShowTheActionThatIsAskedFor) {
   SynthesisRequest request;
   request.seed = 3;
