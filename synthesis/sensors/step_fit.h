@@ -8,7 +8,7 @@
 namespace morphograph {
 
 struct StepFitOptions {
-  int neighbours = 600;       // captured steps that make the local model
+  int neighbours = 1000;      // captured steps that make the local model
   double sigma_m_s2 = 1.5;    // of a reading about what the model says: noise, mounting, and what the model does not hold
 };
 
