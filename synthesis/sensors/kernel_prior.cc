@@ -6,6 +6,12 @@
 #include <utility>
 
 namespace morphograph {
+namespace {
+
+// The distance has no gradient at the mean; within this of it the function is rounded off.
+constexpr double kFlat = 0.1;
+
+}  // namespace
 
 KernelPrior::KernelPrior(Eigen::MatrixXd samples, const Eigen::VectorXd& weights, const Eigen::VectorXd& softening)
     : samples_(std::move(samples)), weights_(weights) {
@@ -31,7 +37,7 @@ double KernelPrior::Energy(const Eigen::VectorXd& y, double scale, Eigen::Vector
   return (weights_.array() * kernel).sum();
 }
 
-GaussianPrior::GaussianPrior(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, double ridge) {
+GaussianPrior::GaussianPrior(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, double ridge, bool squared) : squared_(squared) {
   if (samples.cols() != weights.size()) throw std::invalid_argument("GaussianPrior: expected a weight a sample");
   if (!(ridge > 0)) throw std::invalid_argument("GaussianPrior: the ridge must be positive");
   const Eigen::VectorXd shares = weights / weights.sum();
@@ -44,8 +50,13 @@ GaussianPrior::GaussianPrior(const Eigen::MatrixXd& samples, const Eigen::Vector
 
 double GaussianPrior::Energy(const Eigen::VectorXd& y, double scale, Eigen::VectorXd* gradient) const {
   const Eigen::VectorXd off = y - mean_, pull = precision_ * off;
-  if (gradient) *gradient += scale * pull;
-  return 0.5 * off.dot(pull);
+  if (squared_) {
+    if (gradient) *gradient += scale * pull;
+    return 0.5 * off.dot(pull);
+  }
+  const double distance = std::sqrt(off.dot(pull) + kFlat * kFlat);
+  if (gradient) *gradient += (scale / distance) * pull;
+  return distance;
 }
 
 }  // namespace morphograph

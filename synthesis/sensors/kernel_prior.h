@@ -25,19 +25,21 @@ class KernelPrior {
   Eigen::VectorXd squared_norms_, weights_;  // of the samples, with the softening
 };
 
-/// The same from a multivariate normal distribution (Chai & Hodgins 2005, in place of the kernels as in Tautges 6.2.5): half the squared Mahalanobis distance.
+/// The same from a multivariate normal distribution (Chai & Hodgins 2005, in place of the kernels as in Tautges 6.2.5): the Mahalanobis
+/// distance, or half its square, which is what -log of the density says.
 class GaussianPrior {
  public:
   /// @param ridge  added to the variance of every value (its square, in units of y): neighbours of one reading are nearly alike, and their covariance
   ///   alone would forbid what they happen not to do.
   /// @throws std::invalid_argument for sizes that do not fit, or a ridge that is not positive.
-  GaussianPrior(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, double ridge);
+  GaussianPrior(const Eigen::MatrixXd& samples, const Eigen::VectorXd& weights, double ridge, bool squared);
 
   double Energy(const Eigen::VectorXd& y, double scale, Eigen::VectorXd* gradient) const;
 
  private:
   Eigen::VectorXd mean_;
   Eigen::MatrixXd precision_;
+  bool squared_;
 };
 
 }  // namespace morphograph

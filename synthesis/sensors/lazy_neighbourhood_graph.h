@@ -7,8 +7,8 @@
 namespace morphograph {
 
 struct LazyNeighbourhoodOptions {
-  int window_frames = 32;    // M: how far back the past counts
-  double step_penalty = 0.1;  // of a step other than one frame of the base a reading, in distances of the column's farthest neighbour
+  int window_frames = 16;    // M: how far back the past counts
+  double step_penalty = 0.3;  // of a step other than one frame of the base a reading, in distances of the column's farthest neighbour
   double miss_penalty = 1.0;  // of a reading that a path has no neighbour for, in the same distances; 1 or more
 };
 

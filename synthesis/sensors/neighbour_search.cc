@@ -10,7 +10,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kPacket = 4;  // floats that every processor takes at once
-constexpr std::size_t kLeafSize = 32;
+constexpr std::size_t kLeafSize = 160;
 
 // Points in columns, padded with zeros to whole packets.
 struct PointStore {

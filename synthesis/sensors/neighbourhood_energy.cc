@@ -105,14 +105,14 @@ NeighbourhoodEnergy::NeighbourhoodEnergy(const MotionBase& base, NeighbourhoodTa
     const Eigen::VectorXd outside = (about.colwise().squaredNorm() - coordinates.colwise().squaredNorm()).transpose().cwiseMax(0.0);
     pose_.emplace(coordinates, weights, outside.array() + softening_rad);
   } else {
-    gaussian_pose_.emplace(coordinates, weights, options_.ridge_rad);
+    gaussian_pose_.emplace(coordinates, weights, options_.ridge_rad, options_.squared);
   }
   const auto add = [&](Eigen::MatrixXd&& samples, std::optional<KernelPrior>* kernel, std::optional<GaussianPrior>* gaussian) {
     if (samples.size() == 0) return;
     if (kernels) {
       kernel->emplace(std::move(samples), weights, Eigen::VectorXd::Constant(weights.size(), options_.softening_m * options_.softening_m));
     } else {
-      gaussian->emplace(samples, weights, options_.ridge_m);
+      gaussian->emplace(samples, weights, options_.ridge_m, options_.squared);
     }
   };
   add(std::move(targets.control), &control_, &gaussian_control_);

@@ -23,8 +23,9 @@ struct NeighbourhoodEnergyOptions {
   double pose = 0.6, motion = 0.2, smooth = 0.2;  // within the prior
   double kept_variance = 0.99;                    // of the neighbours' poses by the subspace in which the pose is sought
   double softening_rad = 0.02, softening_m = 0.002;  // of kernels: below this distance they flatten out
-  double ridge_rad = 0.01, ridge_m = 0.003;       // of normal distributions
-  double least_acceleration_m = 0.02;             // kGaussianLeastAcceleration: a second difference that counts one half
+  double ridge_rad = 0.02, ridge_m = 0.02;      // of normal distributions
+  bool squared = true;                          // normal distributions: half the squared Mahalanobis distance, else the distance
+  double least_acceleration_m = 0.1;            // kGaussianLeastAcceleration: a second difference that counts one half
   int max_iterations = 30;
 };
 

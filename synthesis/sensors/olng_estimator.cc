@@ -11,7 +11,7 @@
 namespace morphograph {
 namespace {
 
-constexpr double kNeighbourShare = 0.0075, kPathShare = 0.0005;
+constexpr double kNeighbourShare = 0.0075, kPathShare = 0.00025;
 
 std::vector<char> FollowsOf(const MotionBase& base) {
   std::vector<char> follows(static_cast<std::size_t>(base.frame_count()));
@@ -30,8 +30,8 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
   if (options.neighbours < 0 || options.paths < 0 || !(options.sensor_exponent >= 0))
     throw std::invalid_argument("OlngModel: neighbours, paths and sensor_exponent must be 0 or more");
   const auto frames = base_->frame_count();
-  if (options_.neighbours == 0) options_.neighbours = ShareOf(frames, kNeighbourShare, 64, 4096);
-  if (options_.paths == 0) options_.paths = ShareOf(frames, kPathShare, 16, 256);
+  if (options_.neighbours == 0) options_.neighbours = ShareOf(frames, kNeighbourShare, 256, 4096);
+  if (options_.paths == 0) options_.paths = ShareOf(frames, kPathShare, 24, 256);
   options_.neighbours = static_cast<int>(std::min<Eigen::Index>(options_.neighbours, frames));
   options_.paths = std::min(options_.paths, options_.neighbours);
 

@@ -32,7 +32,7 @@ struct OlngOptions {
 /// What the method knows: the base and an index of its readings. Immutable; may serve several streams at once.
 class OlngModel {
  public:
-  /// K is 0.75 % and I 0.05 % of the base's frames where the options leave them open, within [64, 4096] and [16, 256].
+  /// K is 0.75 % and I 0.025 % of the base's frames where the options leave them open, within [256, 4096] and [24, 256].
   /// @throws std::invalid_argument for a base without sensors, or options out of range.
   OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& options);
 

@@ -75,9 +75,14 @@ std::vector<int> TestClips(const std::vector<Recording>& recordings, double plac
   return tests;
 }
 
-std::vector<Split> MakeSplits(const std::vector<Recording>& recordings, const std::string& kind, bool tune) {
+std::vector<Split> MakeSplits(const std::vector<Recording>& recordings, const std::string& kind, bool tune, const std::vector<std::string>& only = {}) {
   const std::vector<int> final_tests = TestClips(recordings, 0.5);
-  const std::vector<int> tests = tune ? TestClips(recordings, 0.25) : final_tests;
+  std::vector<int> tests = tune ? TestClips(recordings, 0.25) : final_tests;
+  if (!only.empty()) {
+    std::erase_if(tests, [&](int i) {
+      return std::find(only.begin(), only.end(), recordings[static_cast<std::size_t>(i)].folder) == only.end();
+    });
+  }
   const auto key = [&](int i) {
     const Recording& recording = recordings[static_cast<std::size_t>(i)];
     return kind == "style" ? recording.clip.style : kind == "folder" ? recording.folder : std::string();
@@ -124,6 +129,13 @@ MotionClip OfSize(const MotionClip& clip, double scale) {
   for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &other.rotation(f, 0));
   other.root_positions() = scale * clip.root_positions();
   return other;
+}
+
+SensorFaults BadSensors() {
+  SensorFaults faults;
+  faults.noise = 1.2;
+  faults.mounting_rad = 10 * M_PI / 180;
+  return faults;
 }
 
 // What a test clip is turned into before its sensors are simulated, and what is wrong with them.
@@ -195,8 +207,8 @@ std::vector<BasePose> Reconstruct(PoseEstimator& estimator, const Eigen::MatrixX
 
 class Study {
  public:
-  Study(const std::vector<Recording>& recordings, std::vector<Split> splits, std::filesystem::path out)
-      : recordings_(recordings), splits_(std::move(splits)), out_(std::move(out)) {}
+  Study(const std::vector<Recording>& recordings, std::vector<Split> splits, std::filesystem::path out, bool each)
+      : recordings_(recordings), splits_(std::move(splits)), out_(std::move(out)), each_(each) {}
 
   void UseBases(const std::vector<std::string>& sensors, const MotionBaseOptions& options) {
     bases_.clear();
@@ -211,7 +223,9 @@ class Study {
         const TestClip test = Simulated(recordings_[static_cast<std::size_t>(i)], *bases_[s], trial, static_cast<std::uint64_t>(i));
         OlngEstimator estimator(model);
         const std::vector<BasePose> poses = Reconstruct(estimator, test.readings);
-        outcome.Add(CompareWithTruth(*bases_[s], poses, test.truth));
+        const ReconstructionQuality quality = CompareWithTruth(*bases_[s], poses, test.truth);
+        outcome.Add(quality);
+        if (each_) std::printf("    %-40s %6.2f cm, jerk x %.2f\n", test.name.c_str(), quality.position_rms_cm, quality.jerk_ratio);
         if (!out_.empty()) Write(*bases_[s], test, poses);
       }
     }
@@ -222,6 +236,27 @@ class Study {
     OlngOptions options;
     options.pose = OlngPose::kNearest;
     return Try(options, trial);
+  }
+
+  // Of every true pose the frame of the base that is most like it: what no choice of one frame can better.
+  Outcome NearestPose() {
+    Outcome outcome;
+    for (std::size_t s = 0; s < splits_.size(); ++s) {
+      const MotionBase& base = *bases_[s];
+      const Eigen::VectorXf norms = base.positions().colwise().squaredNorm();
+      for (const int i : splits_[s].tests) {
+        const TestClip test = Simulated(recordings_[static_cast<std::size_t>(i)], base, {}, 0);
+        std::vector<BasePose> poses;
+        for (const BasePose& truth : PosesOf(base, test.truth)) {
+          const Eigen::VectorXf wanted = MeasuredPositions(base, truth.rotations).cast<float>();
+          Eigen::Index best = 0;
+          (norms - 2 * (base.positions().transpose() * wanted)).minCoeff(&best);
+          poses.push_back(base.Pose(best));
+        }
+        outcome.Add(CompareWithTruth(base, poses, test.truth));
+      }
+    }
+    return outcome;
   }
 
   void Describe() const {
@@ -244,6 +279,7 @@ class Study {
   const std::vector<Recording>& recordings_;
   std::vector<Split> splits_;
   std::filesystem::path out_;
+  bool each_;
   std::vector<std::shared_ptr<const MotionBase>> bases_;
 };
 
@@ -260,6 +296,7 @@ OlngOptions WithPrior(OlngOptions options, PriorKind kind) {
 void PlainRows(Study& study, const OlngOptions& options) {
   PrintHead("four accelerometers");
   const Outcome nearest = study.Nearest({});
+  Print("the base's pose nearest to the true one (a bound)", study.NearestPose(), nearest.mean());
   Print("nearest neighbour, no paths", nearest, nearest.mean());
   Print("weighted mean of the paths, no energy", study.Try(WithPose(options, OlngPose::kWeightedMean), {}), nearest.mean());
   Print("olng", study.Try(options, {}), nearest.mean());
@@ -273,8 +310,15 @@ void PriorRows(Study& study, const OlngOptions& options) {
   OlngOptions bare = WithPrior(options, PriorKind::kGaussian);
   bare.energy.ridge_m /= 10;
   bare.energy.ridge_rad /= 10;
-  Print("normal distributions, a tenth of that", study.Try(bare, {}), nearest);
-  Print("normal distribution of the pose, least acceleration", study.Try(WithPrior(options, PriorKind::kGaussianLeastAcceleration), {}), nearest);
+  Print("normal distributions, a tenth of the ridge", study.Try(bare, {}), nearest);
+  OlngOptions least = WithPrior(options, PriorKind::kGaussianLeastAcceleration);
+  Print("normal distribution of the pose, least acceleration", study.Try(least, {}), nearest);
+  least.energy.least_acceleration_m = 0.03;
+  Print("the same, accelerations weighted for smoothness", study.Try(least, {}), nearest);
+  least = WithPrior(options, PriorKind::kGaussianLeastAcceleration);
+  least.energy.ridge_m = 0.003;
+  least.energy.ridge_rad = 0.01;
+  Print("the same, regularised by 3 mm and 0.01 rad", study.Try(least, {}), nearest);
 }
 
 void TrialRows(Study& study, const OlngOptions& options, const std::string& title, const std::vector<std::pair<std::string, Trial>>& trials) {
@@ -353,7 +397,9 @@ void Speed(const std::vector<Recording>& recordings, OlngOptions options, long l
   const auto model = std::make_shared<OlngModel>(base, options);
   std::printf("K = 4096, I = 256; kd-tree of %.0f MB made in %.2f s\n", static_cast<double>(model->search().memory_bytes()) / 1e6, ThreadSeconds() - start);
   std::vector<TestClip> tests;
-  for (const int i : splits.front().tests) tests.push_back(Simulated(recordings[static_cast<std::size_t>(i)], *base, {}, 0));
+  // Every third, which takes long enough.
+  for (std::size_t i = 0; i < splits.front().tests.size(); i += 3)
+    tests.push_back(Simulated(recordings[static_cast<std::size_t>(splits.front().tests[i])], *base, {}, 0));
 
   SpeedRow("search alone", tests, [&] {
     return [model, found = std::vector<Neighbour>()](const Eigen::VectorXd& reading) mutable {
@@ -375,9 +421,9 @@ void Speed(const std::vector<Recording>& recordings, OlngOptions options, long l
 }
 
 // Values of options, tried one at a time about the defaults.
-void Sweep(Study& study, const OlngOptions& defaults, const std::vector<std::string>& settings) {
+void Sweep(Study& study, const OlngOptions& defaults, const std::vector<std::string>& settings, const Trial& trial) {
   PrintHead("settings");
-  const double nearest = study.Nearest({}).mean();
+  const double nearest = study.Nearest(trial).mean();
   for (const std::string& setting : settings) {
     OlngOptions options = defaults;
     std::size_t from = 0;
@@ -406,13 +452,14 @@ void Sweep(Study& study, const OlngOptions& defaults, const std::vector<std::str
           {"softm", [&] { options.energy.softening_m = value; }},
           {"ridgerad", [&] { options.energy.ridge_rad = value; }},
           {"ridgem", [&] { options.energy.ridge_m = value; }},
+          {"squared", [&] { options.energy.squared = value != 0; }},
           {"least", [&] { options.energy.least_acceleration_m = value; }},
           {"iterations", [&] { options.energy.max_iterations = static_cast<int>(value); }}};
       if (!known.count(name)) throw std::invalid_argument("unknown setting '" + name + "'");
       known.at(name)();
     }
     const double start = ThreadSeconds();
-    const Outcome outcome = study.Try(options, {});
+    const Outcome outcome = study.Try(options, trial);
     Print(setting + " [" + std::to_string(1e3 * (ThreadSeconds() - start) / static_cast<double>(outcome.frames)).substr(0, 4) + " ms]", outcome, nearest);
   }
 }
@@ -423,8 +470,9 @@ int main(int argc, char** argv) {
   CLI::App app("Motion from a few accelerometers: errors and cost.");
   std::vector<std::filesystem::path> data;
   std::string split = "clip";
-  std::vector<std::string> rows = {"plain"}, sweep;
-  bool tune = false;
+  std::vector<std::string> rows = {"plain"}, sweep, only;
+  bool tune = false, faulty = false, each = false;
+  double tempo = 1;
   long long speed = 0;
   std::filesystem::path out;
   app.add_option("--data", data, "folders of BVH")->required();
@@ -432,7 +480,11 @@ int main(int argc, char** argv) {
   app.add_option("--rows", rows, "tables: plain, priors, faults, tempo, body, sensors, reversed");
   app.add_flag("--tune", tune, "the clips on which defaults are chosen");
   app.add_option("--sweep", sweep, "settings to try, such as K=512,I=32");
+  app.add_flag("--faulty", faulty, "with --sweep: noisy sensors that are mounted askew");
+  app.add_option("--tempo", tempo, "with --sweep: play the test clips this many times as fast");
   app.add_option("--speed", speed, "time a frame on a base of this many frames");
+  app.add_option("--only", only, "test clips of these folders only, such as 07 08");
+  app.add_flag("--each", each, "a line a test clip as well");
   app.add_option("--out", out, "a folder for what is made of the test clips, and the truth, as BVH");
   CLI11_PARSE(app, argc, argv);
   try {
@@ -442,11 +494,14 @@ int main(int argc, char** argv) {
       Speed(recordings, options, speed);
       return 0;
     }
-    Study study(recordings, MakeSplits(recordings, split, tune), out);
+    Study study(recordings, MakeSplits(recordings, split, tune, only), out, each);
     study.UseBases(kFour, {});
     study.Describe();
     if (!sweep.empty()) {
-      Sweep(study, options, sweep);
+      Trial trial;
+      trial.tempo = tempo;
+      if (faulty) trial.faults = BadSensors();
+      Sweep(study, options, sweep, trial);
       return 0;
     }
     for (const std::string& row : rows) {
@@ -455,9 +510,10 @@ int main(int argc, char** argv) {
       } else if (row == "priors") {
         PriorRows(study, options);
       } else if (row == "faults") {
-        SensorFaults noise, mounting, both;
-        noise.noise = both.noise = 1.2;
-        mounting.mounting_rad = both.mounting_rad = 10 * M_PI / 180;
+        SensorFaults noise = BadSensors(), mounting = BadSensors();
+        const SensorFaults both = BadSensors();
+        noise.mounting_rad = 0;
+        mounting.noise = 0;
         TrialRows(study, options, "faults", {{"none", {}}, {"noise 1.2 m/s^2 per axis", {1, 1, noise}}, {"mounting error 10 degrees", {1, 1, mounting}}, {"both", {1, 1, both}}});
       } else if (row == "tempo") {
         TrialRows(study, options, "tempo", {{"0.8", {.tempo = 0.8, .faults = {}}}, {"0.9", {.tempo = 0.9, .faults = {}}}, {"1.1", {.tempo = 1.1, .faults = {}}}, {"1.2", {.tempo = 1.2, .faults = {}}}});
