@@ -21,7 +21,7 @@ using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
 using Eigen::Vector3d;
 
-constexpr int kLeastSamples = 50;
+constexpr int kLeastAlignedSamples = 50;
 constexpr double kLeastWidth_m = 0.002;  // of the markers across their line
 constexpr int kShapeRounds = 3;
 
@@ -117,7 +117,7 @@ AlignmentFit FitAtDelay(const SegmentAcceleration& motion, const Matrix3Xd& smoo
   AlignmentFit fit;
   fit.alignment.delay_samples = delay;
   const Overlap overlap(motion.at_origin.cols(), smooth.cols(), delay);
-  if (overlap.count < kLeastSamples) return fit;
+  if (overlap.count < kLeastAlignedSamples) return fit;
   const Matrix3Xd sensor = smooth.middleCols(overlap.first + delay, overlap.count);
   Matrix3d rotation = FirstRotation(sensor, motion.at_origin.middleCols(overlap.first, overlap.count), rate_hz, options.least_standing_s);
   Matrix3Xd expected;
@@ -219,7 +219,7 @@ int DelayByCorrelation(const Eigen::MatrixXd& reference, const Eigen::MatrixXd& 
 }
 
 SensorAlignment AlignSensor(const SegmentMotion& segment, const Matrix3Xd& accelerations, const SensorAlignmentOptions& options) {
-  if (segment.sample_count() < kLeastSamples || accelerations.cols() < kLeastSamples) throw std::invalid_argument("AlignSensor: fewer than 50 samples");
+  if (segment.sample_count() < kLeastAlignedSamples || accelerations.cols() < kLeastAlignedSamples) throw std::invalid_argument("AlignSensor: fewer than 50 samples");
   if (!accelerations.allFinite() || !segment.positions.allFinite() || options.rounds < 1) throw std::invalid_argument("AlignSensor: values must be finite (repair the stream first) and rounds 1 or more");
   const Matrix3Xd smooth = LowPass(accelerations, segment.rate_hz, options.cutoff_hz);
   const SegmentAcceleration motion = AccelerationOf(segment, options.cutoff_hz);

@@ -29,7 +29,7 @@ ReconstructedReadings Reconstruct(Service* service, const ServedModel& model, co
   }
 }
 
-constexpr const char* kNdjson = "application/x-ndjson";
+constexpr const char* kStreamType = "application/x-ndjson";
 
 std::string_view TakeLine(std::string_view* text) {
   const std::size_t end = std::min(text->find('\n'), text->size());
@@ -40,7 +40,7 @@ std::string_view TakeLine(std::string_view* text) {
 
 // The first line says what to reconstruct with; an answer line a frame follows as the lines with readings are worked off.
 HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) {
-  if (ChooseMediaType(request.Header("Accept"), {kNdjson, "application/jsonl"}) < 0) throw ProblemError(406, "streams are answered as application/x-ndjson");
+  if (ChooseMediaType(request.Header("Accept"), {kStreamType, "application/jsonl"}) < 0) throw ProblemError(406, "streams are answered as application/x-ndjson");
   struct Answer {
     std::string body;
     std::string_view rest;
@@ -56,7 +56,7 @@ HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) 
   answer->stream = std::make_unique<ReconstructionStream>(service->reconstructors.Get(model->graph, head.method, head.placements));
 
   HttpResponse response;
-  response.Set("Content-Type", kNdjson);
+  response.Set("Content-Type", kStreamType);
   response.Set("Cache-Control", "no-store");
   response.Set("Morphograph-Model", model->graph->hash());
   response.more = [answer]() -> std::string {
@@ -82,7 +82,7 @@ HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) 
 }
 
 HttpResponse CreateReconstruction(Service* service, const HttpRequest& request) {
-  if (EqualsIgnoringCase(MediaTypeOf(request.Header("Content-Type")), kNdjson)) return StreamReconstruction(service, request);
+  if (EqualsIgnoringCase(MediaTypeOf(request.Header("Content-Type")), kStreamType)) return StreamReconstruction(service, request);
   const int form = ChooseMediaType(request.Header("Accept"), {"text/plain", "application/json", "model/gltf-binary"});
   if (form < 0) throw ProblemError(406, "a clip is given as text/plain (BVH), application/json or model/gltf-binary");
   const ReconstructionBody body = ParseReconstructionBody(ClipRequestText(request));

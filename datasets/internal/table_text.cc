@@ -13,7 +13,7 @@ namespace morphograph {
 namespace {
 
 constexpr double kLongestTime_s = 1e10;  // times since 1970 are 1.8e9 s; milliseconds would be 1.8e12
-constexpr double kLargestValue = 1e30;   // squares of it are still finite
+constexpr double kLargestCell = 1e30;   // squares of it are still finite
 constexpr std::size_t kQuotedLength = 40;
 
 bool MeansLost(std::string_view text) {
@@ -77,7 +77,7 @@ double TableText::Number(const TableCell& cell) const {
   if (error != std::errc() || end != last || !std::isfinite(value)) {
     Fail(cell.column, std::string("not a number: ").append(cell.text.substr(0, kQuotedLength)));
   }
-  if (std::abs(value) > kLargestValue) Fail(cell.column, std::string("too large: ").append(cell.text.substr(0, kQuotedLength)));
+  if (std::abs(value) > kLargestCell) Fail(cell.column, std::string("too large: ").append(cell.text.substr(0, kQuotedLength)));
   return value;
 }
 

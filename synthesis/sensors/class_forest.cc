@@ -15,7 +15,7 @@
 namespace morphograph {
 namespace {
 
-constexpr int kBins = 64;
+constexpr int kForestBins = 64;
 
 void CheckXgboost(int status) {
   if (status != 0) throw std::runtime_error(std::string("XGBoost: ") + XGBGetLastError());
@@ -45,7 +45,7 @@ nlohmann::json GrowTree(void* matrix, const std::vector<float>& ones, Eigen::Ind
   const double tried = std::ceil(std::sqrt(static_cast<double>(features)));
   set("colsample_bynode", std::to_string(std::min(1.0, (tried + 0.01) / static_cast<double>(features))));
   set("tree_method", "hist");
-  set("max_bin", std::to_string(kBins));
+  set("max_bin", std::to_string(kForestBins));
   set("max_depth", std::to_string(depth));
   set("min_child_weight", "5");
   set("seed", std::to_string(seed));

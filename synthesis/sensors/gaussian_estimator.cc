@@ -15,7 +15,7 @@ namespace {
 
 constexpr float kLeastShare = 0.05f;   // less likely clusters have no say
 constexpr std::size_t kErrorSamples = 1500;  // of a cluster, for its readings' errors
-constexpr double kPriorSamples = 20;   // a cluster's covariance is drawn to that within all clusters as by so many samples
+constexpr double kBlendPriorSamples = 20;   // a cluster's covariance is drawn to that within all clusters as by so many samples
 
 }  // namespace
 
@@ -39,7 +39,7 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
     within += covariances.back() / static_cast<double>(frames);
   }
   for (std::size_t k = 0; k < members.size(); ++k)
-    covariances[k] = (covariances[k] + kPriorSamples * within) / (static_cast<double>(members[k].size()) + kPriorSamples);
+    covariances[k] = (covariances[k] + kBlendPriorSamples * within) / (static_cast<double>(members[k].size()) + kBlendPriorSamples);
 
   const Eigen::Index values = base.accelerations().rows(), stride = options.control_stride, reach = (options.control_readings - 1) * stride;
   std::vector<std::unique_ptr<RadialBasisMap>> learned(members.size());
@@ -58,16 +58,16 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
     auto map = std::make_unique<RadialBasisMap>(poses, stacked, options.map);
     Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(stacked.rows(), stacked.rows());
     const std::size_t step = 1 + whole.size() / kErrorSamples;
-    double count = kPriorSamples;
+    double count = kBlendPriorSamples;
     for (std::size_t i = 0; i < whole.size(); i += step, ++count) {
       const auto column = static_cast<Eigen::Index>(i);
       const Eigen::VectorXd error = (stacked.col(column) - map->Value(poses.col(column))).cast<double>();
       errors.noalias() += error * error.transpose();
     }
-    errors /= std::max(count - kPriorSamples, 1.0);
+    errors /= std::max(count - kBlendPriorSamples, 1.0);
     const Eigen::VectorXd variances = errors.diagonal();
-    errors *= (count - kPriorSamples) / count;
-    errors.diagonal() += kPriorSamples / count * variances;
+    errors *= (count - kBlendPriorSamples) / count;
+    errors.diagonal() += kBlendPriorSamples / count * variances;
     errors.diagonal().array() += options.clusters.noise_m_s2 * options.clusters.noise_m_s2 + 1e-6;
     reading_errors[static_cast<std::size_t>(k)] = errors;
     learned[static_cast<std::size_t>(k)] = std::move(map);

@@ -14,7 +14,7 @@
 namespace morphograph {
 namespace {
 
-constexpr int kIterations = 50;
+constexpr int kPickIterations = 50;
 
 struct Importance {
   int clusters = 0;    // that the marker's coordinates lie in
@@ -99,7 +99,7 @@ std::vector<int> PrincipalMarkers(const Eigen::MatrixXf& tracks, const MarkerSel
   for (int start = 0; start < options.restarts; ++start) {
     // "Slightly greater" than the number of components, and no more than there are coordinates.
     const auto clusters = static_cast<int>(std::min(components + 1, loadings.cols()));
-    const std::vector<int> kept = Cover(loadings, FitKMeans(loadings, clusters, kIterations, rng), options.count);
+    const std::vector<int> kept = Cover(loadings, FitKMeans(loadings, clusters, kPickIterations, rng), options.count);
     const double left = Unexplained(covariance, kept);
     if (left < least) {
       least = left;

@@ -12,7 +12,7 @@
 namespace morphograph {
 namespace {
 
-constexpr int kIterations = 50;
+constexpr int kSplitIterations = 50;
 
 // Mean squared Mahalanobis distance of `next`, per dimension, from the Gaussian of sums over `count` frames.
 double Surprise(const Eigen::VectorXd& sum, const Eigen::MatrixXd& products, double count, double variance_kept, const Eigen::MatrixXd& next) {
@@ -119,7 +119,7 @@ std::vector<int> ClusterSegments(const std::vector<Eigen::MatrixXd>& segments, c
     clusters.erase(clusters.begin() + static_cast<std::ptrdiff_t>(widest));
     std::vector<std::vector<int>> parts(2);
     if (width > tolerance && static_cast<int>(clusters.size() + leaves.size()) + 2 <= options.most_clusters) {
-      const KMeans halves = FitKMeans(features(Eigen::all, members), 2, kIterations, rng);
+      const KMeans halves = FitKMeans(features(Eigen::all, members), 2, kSplitIterations, rng);
       for (std::size_t i = 0; i < members.size(); ++i) parts[static_cast<std::size_t>(halves.of_sample[i])].push_back(members[i]);
     }
     const bool splits = std::all_of(parts.begin(), parts.end(), [&](const std::vector<int>& part) {

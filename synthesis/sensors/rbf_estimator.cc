@@ -10,7 +10,7 @@ namespace morphograph {
 namespace {
 
 // Maps of clusters less likely than this have no say.
-constexpr float kLeastShare = 0.05f;
+constexpr float kLeastClusterShare = 0.05f;
 
 // Frames that have window - 1 more of their clip after them, by cluster.
 std::vector<std::vector<Eigen::Index>> FramesByCluster(const MotionBase& base, const PoseClusters& clusters, int window) {
@@ -60,7 +60,7 @@ BasePose RbfEstimator::Next(const Eigen::VectorXd& reading) {
   }
   const Eigen::VectorXf values = reading.cast<float>();
   const Eigen::VectorXf& probabilities = filter_.Next(values);
-  const float least = std::min(kLeastShare, probabilities.maxCoeff());
+  const float least = std::min(kLeastClusterShare, probabilities.maxCoeff());
   const int window = model_->options.window;
   auto latest = said_.col(said_count_++ % window);
   latest.setZero();

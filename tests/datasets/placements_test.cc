@@ -13,7 +13,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-std::string ErrorOf(const std::string& text) {
+std::string PlacementErrorOf(const std::string& text) {
   try {
     ParsePlacements(text, "p.json");
   } catch (const DatasetError& error) {
@@ -43,26 +43,26 @@ TEST(Placements, ComeBackAsTheyWere) {
 }
 
 TEST(Placements, ErrorsNameThePlace) {
-  EXPECT_THAT(ErrorOf("{"), HasSubstr("p.json: not valid JSON"));
-  EXPECT_THAT(ErrorOf(std::string(100'000, '[')), HasSubstr("nested too deep"));
-  EXPECT_THAT(ErrorOf("3"), HasSubstr("the whole document: expected a list"));
-  EXPECT_THAT(ErrorOf("[]"), HasSubstr("the whole document: expected a list"));
-  EXPECT_THAT(ErrorOf("{}"), HasSubstr("\"placements\" is missing"));
-  EXPECT_THAT(ErrorOf(R"({"placements": [], "rate": 60})"), HasSubstr("/rate: unknown field"));
-  EXPECT_THAT(ErrorOf("[3]"), HasSubstr("/0: expected an object"));
-  EXPECT_THAT(ErrorOf("[{}]"), HasSubstr("/0: \"joint\" is missing"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": ""}])"), HasSubstr("/0/joint: expected a text"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "offset": [1, 2]}])"), HasSubstr("/0/offset: expected [x, y, z]"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "offset": [1, 2, "3"]}])"), HasSubstr("/0/offset: expected [x, y, z]"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "offset": [10, 0, 0]}])"), HasSubstr("/0/offset: lies more than 3 m"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "orientation": [1, 1, 0, 0]}])"), HasSubstr("/0/orientation: must be a unit quaternion"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "orientation": [0, 0, 0, 0]}])"), HasSubstr("/0/orientation: must be a unit quaternion"));
-  EXPECT_THAT(ErrorOf(R"({"placements": [{"joint": "head"}, {"joint": "head"}]})"), HasSubstr("/placements/1: a second placement is called 'head'"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "name": "a,b"}])"), HasSubstr("/0/name: must hold no comma"));
-  EXPECT_THAT(ErrorOf(R"([{"joint": "head", "colour": "red"}])"), HasSubstr("/0/colour: unknown field"));
+  EXPECT_THAT(PlacementErrorOf("{"), HasSubstr("p.json: not valid JSON"));
+  EXPECT_THAT(PlacementErrorOf(std::string(100'000, '[')), HasSubstr("nested too deep"));
+  EXPECT_THAT(PlacementErrorOf("3"), HasSubstr("the whole document: expected a list"));
+  EXPECT_THAT(PlacementErrorOf("[]"), HasSubstr("the whole document: expected a list"));
+  EXPECT_THAT(PlacementErrorOf("{}"), HasSubstr("\"placements\" is missing"));
+  EXPECT_THAT(PlacementErrorOf(R"({"placements": [], "rate": 60})"), HasSubstr("/rate: unknown field"));
+  EXPECT_THAT(PlacementErrorOf("[3]"), HasSubstr("/0: expected an object"));
+  EXPECT_THAT(PlacementErrorOf("[{}]"), HasSubstr("/0: \"joint\" is missing"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": ""}])"), HasSubstr("/0/joint: expected a text"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "offset": [1, 2]}])"), HasSubstr("/0/offset: expected [x, y, z]"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "offset": [1, 2, "3"]}])"), HasSubstr("/0/offset: expected [x, y, z]"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "offset": [10, 0, 0]}])"), HasSubstr("/0/offset: lies more than 3 m"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "orientation": [1, 1, 0, 0]}])"), HasSubstr("/0/orientation: must be a unit quaternion"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "orientation": [0, 0, 0, 0]}])"), HasSubstr("/0/orientation: must be a unit quaternion"));
+  EXPECT_THAT(PlacementErrorOf(R"({"placements": [{"joint": "head"}, {"joint": "head"}]})"), HasSubstr("/placements/1: a second placement is called 'head'"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "name": "a,b"}])"), HasSubstr("/0/name: must hold no comma"));
+  EXPECT_THAT(PlacementErrorOf(R"([{"joint": "head", "colour": "red"}])"), HasSubstr("/0/colour: unknown field"));
   std::string many = "[{\"joint\": \"head\"}";
   for (int i = 0; i < 500; ++i) many += ",{\"joint\": \"head\", \"name\": \"" + std::to_string(i) + "\"}";
-  EXPECT_THAT(ErrorOf(many + "]"), HasSubstr("more than 500"));
+  EXPECT_THAT(PlacementErrorOf(many + "]"), HasSubstr("more than 500"));
 }
 
 TEST(Placements, FindTheirJointsByRoleOrName) {

@@ -24,7 +24,7 @@ using ::testing::HasSubstr;
 using ::testing::IsEmpty;
 using ::testing::StartsWith;
 
-std::string ErrorOf(const std::string& text) {
+std::string ReaderErrorOf(const std::string& text) {
   try {
     ParseReadings(text, "a");
   } catch (const DatasetError& error) {
@@ -59,19 +59,19 @@ TEST(TrcReader, MarkersThatWereNotSeenAreLost) {
 }
 
 TEST(TrcReader, ErrorsSayWhere) {
-  EXPECT_THAT(ErrorOf("PathFileType\t4\n"), StartsWith("a:1: the file ends before the line of keys"));
-  EXPECT_THAT(ErrorOf(Trc("furlong", "")), StartsWith("a:3:14: unit must be m, cm or mm"));
-  EXPECT_THAT(ErrorOf(Trc("m", "")), HasSubstr("no frame"));
-  EXPECT_THAT(ErrorOf(Trc("m", "1\t0\t1\t2\n")), StartsWith("a:7:1: expected 8 cells, found 4"));
-  EXPECT_THAT(ErrorOf(Trc("m", "1\t0\t1\t2\t3\t4\t5\t6\t7\n")), StartsWith("a:7:1: expected 8 cells, found 9"));
-  EXPECT_THAT(ErrorOf(Trc("m", "1\t0\t1\t2\tx\t4\t5\t6\n")), StartsWith("a:7:9: not a number: x"));
-  EXPECT_THAT(ErrorOf(Trc("m", "1\t\t1\t2\t3\t4\t5\t6\n")), StartsWith("a:7:3: a sample must have a time"));
+  EXPECT_THAT(ReaderErrorOf("PathFileType\t4\n"), StartsWith("a:1: the file ends before the line of keys"));
+  EXPECT_THAT(ReaderErrorOf(Trc("furlong", "")), StartsWith("a:3:14: unit must be m, cm or mm"));
+  EXPECT_THAT(ReaderErrorOf(Trc("m", "")), HasSubstr("no frame"));
+  EXPECT_THAT(ReaderErrorOf(Trc("m", "1\t0\t1\t2\n")), StartsWith("a:7:1: expected 8 cells, found 4"));
+  EXPECT_THAT(ReaderErrorOf(Trc("m", "1\t0\t1\t2\t3\t4\t5\t6\t7\n")), StartsWith("a:7:1: expected 8 cells, found 9"));
+  EXPECT_THAT(ReaderErrorOf(Trc("m", "1\t0\t1\t2\tx\t4\t5\t6\n")), StartsWith("a:7:9: not a number: x"));
+  EXPECT_THAT(ReaderErrorOf(Trc("m", "1\t\t1\t2\t3\t4\t5\t6\n")), StartsWith("a:7:3: a sample must have a time"));
   std::string twice = Trc("m", "");
   twice.replace(twice.find("L.Toe"), 5, "R.Heel");
-  EXPECT_THAT(ErrorOf(twice), StartsWith("a:4:22: 'R.Heel' stands twice"));
+  EXPECT_THAT(ReaderErrorOf(twice), StartsWith("a:4:22: 'R.Heel' stands twice"));
   std::string wide = Trc("m", "");
   for (int i = 0; i < 600; ++i) wide.insert(wide.find("R.Heel"), "m" + std::to_string(i) + "\t\t\t");
-  EXPECT_THAT(ErrorOf(wide), HasSubstr("more than 500 markers"));
+  EXPECT_THAT(ReaderErrorOf(wide), HasSubstr("more than 500 markers"));
 }
 
 std::string Xsens(const std::string& rows) {
@@ -123,15 +123,15 @@ TEST(XsensReader, NamesAreWhatFilesDoNotShare) {
 }
 
 TEST(XsensReader, ErrorsSayWhere) {
-  EXPECT_THAT(ErrorOf(Xsens("")), StartsWith("a:3: no sample"));
-  EXPECT_THAT(ErrorOf(Xsens("1,,2,3\n")), StartsWith("a:4:1: expected 12 cells, found 4"));
-  EXPECT_THAT(ErrorOf(Xsens("1,,2,3,x,,,,,,,\n")), StartsWith("a:4:8: not a number: x"));
-  EXPECT_THAT(ErrorOf(Xsens("1.5,,2,3,4,,,,,,,\n")), StartsWith("a:4:1: the packet counter must be a whole number"));
-  EXPECT_THAT(ErrorOf(Xsens("-1,,2,3,4,,,,,,,\n")), StartsWith("a:4:1: the packet counter must be a whole number"));
-  EXPECT_THAT(ErrorOf(Xsens("1,,2,3,4,,,,,,,\n999999999999,,2,3,4,,,,,,,\n")), StartsWith("a:5:1: the packet counter runs over more than a day"));
-  EXPECT_THAT(ErrorOf("PacketCounter,Acc_X,Acc_Y,Acc_Z\n1,2,3,4\n"), HasSubstr("no update rate"));
-  EXPECT_THAT(ErrorOf("// Update Rate: 0Hz\nPacketCounter,Acc_X,Acc_Y,Acc_Z\n"), StartsWith("a:1:1: the update rate must be above 0"));
-  EXPECT_THAT(ErrorOf("// 9Hz\nPacketCounter,Acc_X,Acc_Y\n"), StartsWith("a:2:1: the columns Acc_X, Acc_Y and Acc_Z are needed"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("")), StartsWith("a:3: no sample"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("1,,2,3\n")), StartsWith("a:4:1: expected 12 cells, found 4"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("1,,2,3,x,,,,,,,\n")), StartsWith("a:4:8: not a number: x"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("1.5,,2,3,4,,,,,,,\n")), StartsWith("a:4:1: the packet counter must be a whole number"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("-1,,2,3,4,,,,,,,\n")), StartsWith("a:4:1: the packet counter must be a whole number"));
+  EXPECT_THAT(ReaderErrorOf(Xsens("1,,2,3,4,,,,,,,\n999999999999,,2,3,4,,,,,,,\n")), StartsWith("a:5:1: the packet counter runs over more than a day"));
+  EXPECT_THAT(ReaderErrorOf("PacketCounter,Acc_X,Acc_Y,Acc_Z\n1,2,3,4\n"), HasSubstr("no update rate"));
+  EXPECT_THAT(ReaderErrorOf("// Update Rate: 0Hz\nPacketCounter,Acc_X,Acc_Y,Acc_Z\n"), StartsWith("a:1:1: the update rate must be above 0"));
+  EXPECT_THAT(ReaderErrorOf("// 9Hz\nPacketCounter,Acc_X,Acc_Y\n"), StartsWith("a:2:1: the columns Acc_X, Acc_Y and Acc_Z are needed"));
   EXPECT_THROW(ParseXsens({}), DatasetError);
   EXPECT_THROW(ParseXsens({{"a", "a", Xsens("1,,2,3,4,,,,,,,\n")}, {"b", "b", Xsens("9,,2,3,4,,,,,,,\n")}}), DatasetError);
 }
@@ -151,14 +151,14 @@ TEST(FootSensorReader, SortsColumnsBySensorAndAxis) {
 
 TEST(FootSensorReader, ErrorsSayWhere) {
   const std::string head = "sensor,left,left,left\naxis,acc_x,acc_y,acc_z\n";
-  EXPECT_THAT(ErrorOf("sensor,left,left\naxis,acc_x,acc_y\n"), StartsWith("a:2:1: 'left' has no acc_z"));
-  EXPECT_THAT(ErrorOf("sensor,left,left\naxis,acc_x,acc_x\n"), StartsWith("a:2:12: acc_x of 'left' stands twice"));
-  EXPECT_THAT(ErrorOf("sensor,left\naxis,mag_x\n"), StartsWith("a:2:6: expected acc_x"));
-  EXPECT_THAT(ErrorOf("sensor,left\naxis,acc_x,acc_y\n"), StartsWith("a:2:1: expected 2 cells, found 3"));
-  EXPECT_THAT(ErrorOf(head), HasSubstr("no sample"));
-  EXPECT_THAT(ErrorOf(head + "0,1,2\n"), StartsWith("a:3:1: expected 4 cells, found 3"));
-  EXPECT_THAT(ErrorOf(head + "x,1,2,3\n"), StartsWith("a:3:1: not a number: x"));
-  EXPECT_THAT(ErrorOf(head + "0,1,2,y\n"), StartsWith("a:3:7: not a number: y"));
+  EXPECT_THAT(ReaderErrorOf("sensor,left,left\naxis,acc_x,acc_y\n"), StartsWith("a:2:1: 'left' has no acc_z"));
+  EXPECT_THAT(ReaderErrorOf("sensor,left,left\naxis,acc_x,acc_x\n"), StartsWith("a:2:12: acc_x of 'left' stands twice"));
+  EXPECT_THAT(ReaderErrorOf("sensor,left\naxis,mag_x\n"), StartsWith("a:2:6: expected acc_x"));
+  EXPECT_THAT(ReaderErrorOf("sensor,left\naxis,acc_x,acc_y\n"), StartsWith("a:2:1: expected 2 cells, found 3"));
+  EXPECT_THAT(ReaderErrorOf(head), HasSubstr("no sample"));
+  EXPECT_THAT(ReaderErrorOf(head + "0,1,2\n"), StartsWith("a:3:1: expected 4 cells, found 3"));
+  EXPECT_THAT(ReaderErrorOf(head + "x,1,2,3\n"), StartsWith("a:3:1: not a number: x"));
+  EXPECT_THAT(ReaderErrorOf(head + "0,1,2,y\n"), StartsWith("a:3:7: not a number: y"));
 }
 
 TEST(MarkerTable, ReadsBothKindsOfHeader) {
@@ -173,12 +173,12 @@ TEST(MarkerTable, ReadsBothKindsOfHeader) {
 
 TEST(MarkerTable, ErrorsSayWhere) {
   const std::string head = "frame,a_x,a_y,a_z\n";
-  EXPECT_THAT(ErrorOf("frame,a_x,a_y,a_y\n\n"), StartsWith("a:1:15: expected the column of z"));
-  EXPECT_THAT(ErrorOf("frame,a_x,a_y,b_z\n\n"), StartsWith("a:1:15: expected a column of 'a'"));
-  EXPECT_THAT(ErrorOf("frame,a_x,a_y,a_z,a_x,a_y,a_z\n\n"), StartsWith("a:1:19: 'a' stands twice"));
-  EXPECT_THAT(ErrorOf(head + "0,1,2\n"), StartsWith("a:2:1: expected 4 cells"));
-  EXPECT_THAT(ErrorOf(head + "0,1,2,z\n"), StartsWith("a:2:7: not a number: z"));
-  EXPECT_THAT(ErrorOf(",a,a,a\n,x,y,z\n"), HasSubstr("no frame"));
+  EXPECT_THAT(ReaderErrorOf("frame,a_x,a_y,a_y\n\n"), StartsWith("a:1:15: expected the column of z"));
+  EXPECT_THAT(ReaderErrorOf("frame,a_x,a_y,b_z\n\n"), StartsWith("a:1:15: expected a column of 'a'"));
+  EXPECT_THAT(ReaderErrorOf("frame,a_x,a_y,a_z,a_x,a_y,a_z\n\n"), StartsWith("a:1:19: 'a' stands twice"));
+  EXPECT_THAT(ReaderErrorOf(head + "0,1,2\n"), StartsWith("a:2:1: expected 4 cells"));
+  EXPECT_THAT(ReaderErrorOf(head + "0,1,2,z\n"), StartsWith("a:2:7: not a number: z"));
+  EXPECT_THAT(ReaderErrorOf(",a,a,a\n,x,y,z\n"), HasSubstr("no frame"));
 }
 
 Readings Box(const Vector3d& size) {
@@ -218,8 +218,8 @@ TEST(ReadReadings, KnowsFormatsByContent) {
   EXPECT_EQ(format(Xsens("1,,2,3,4,,,,,,,\n")), "Xsens text");
   EXPECT_EQ(format("sensor,l,l,l\naxis,acc_x,acc_y,acc_z\n0,1,2,3\n"), "foot sensors");
   EXPECT_EQ(format("frame,a_x,a_y,a_z\n0,1,2,3\n"), "table of markers");
-  EXPECT_THAT(ErrorOf("HIERARCHY\n"), HasSubstr("is a BVH clip"));
-  EXPECT_THAT(ErrorOf("nonsense"), HasSubstr("the first column must be \"time\""));
+  EXPECT_THAT(ReaderErrorOf("HIERARCHY\n"), HasSubstr("is a BVH clip"));
+  EXPECT_THAT(ReaderErrorOf("nonsense"), HasSubstr("the first column must be \"time\""));
   EXPECT_THROW(ReadReadings(folder.path() / "none"), DatasetError);
   EXPECT_THROW(ReadReadings(folder.path() / "none" / "none"), DatasetError);
 }
