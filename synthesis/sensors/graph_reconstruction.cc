@@ -30,7 +30,8 @@ std::vector<WalkingPrimitives> FindWalking(const MotionGraph& graph) {
   std::vector<WalkingPrimitives> styles(graph.styles().size());
   for (int p = 0; p < graph.primitive_count(); ++p) {
     const MotionPrimitive& primitive = graph.primitive(p);
-    if (!IsSteady(primitive)) continue;
+    // Of the graph's own action: styles of another may be called the same, and its feet stand otherwise.
+    if (!IsSteady(primitive) || !graph.styles()[static_cast<std::size_t>(primitive.style_index)].other_action.empty()) continue;
     WalkingPrimitives& walking = styles[static_cast<std::size_t>(primitive.style_index)];
     walking.style = primitive.style_index;
     int& place = walking.landing[primitive.end == KeyframeLabel::kLeftStance ? 0 : 1];
