@@ -30,7 +30,7 @@ SyntheticGaitOptions WalkOptions() {
   return options;
 }
 
-const MotionClip& Walk(SyntheticGaitTruth* truth = nullptr) {
+const MotionClip& AlignedWalk(SyntheticGaitTruth* truth = nullptr) {
   static SyntheticGaitTruth made;
   static const MotionClip clip = GenerateGait(WalkOptions(), &made);
   if (truth) *truth = made;
@@ -40,12 +40,12 @@ const MotionClip& Walk(SyntheticGaitTruth* truth = nullptr) {
 constexpr double kDegree = 3.14159265358979 / 180;
 
 TEST(SegmentFromMarkers, FollowsTheSegment) {
-  const int knee = Walk().skeleton().FindRoleOrName("left_knee");
+  const int knee = AlignedWalk().skeleton().FindRoleOrName("left_knee");
   std::vector<Placement> placements;
   for (const Vector3d& offset : {Vector3d(0.05, 0, 0), Vector3d(-0.04, -0.2, 0), Vector3d(0, -0.1, 0.06), Vector3d(0.02, -0.35, 0)}) {
     placements.push_back({"m" + std::to_string(placements.size()), "left_knee", offset, Quaterniond::Identity()});
   }
-  const SegmentMotion found = SegmentFromMarkers(VirtualMarkers(Walk(), placements), {"m0", "m1", "m2", "m3"}), truth = SegmentOfJoint(Walk(), knee);
+  const SegmentMotion found = SegmentFromMarkers(VirtualMarkers(AlignedWalk(), placements), {"m0", "m1", "m2", "m3"}), truth = SegmentOfJoint(AlignedWalk(), knee);
   ASSERT_EQ(found.sample_count(), truth.sample_count());
   EXPECT_NEAR(found.rate_hz, 100, 1e-6);
   const Eigen::Matrix3d constant = truth.rotations[0].transpose() * found.rotations[0];
@@ -58,14 +58,14 @@ TEST(SegmentFromMarkers, FollowsTheSegment) {
 }
 
 TEST(SegmentFromMarkers, RefusesWhatHasNoFrame) {
-  Readings markers = VirtualMarkers(Walk(), {{"a", "hips", Vector3d(0, 0, 0), Quaterniond::Identity()},
+  Readings markers = VirtualMarkers(AlignedWalk(), {{"a", "hips", Vector3d(0, 0, 0), Quaterniond::Identity()},
                                              {"b", "hips", Vector3d(0, 0.1, 0), Quaterniond::Identity()},
                                              {"c", "hips", Vector3d(0, 0.3, 0), Quaterniond::Identity()},
                                              {"d", "hips", Vector3d(0.3, 0.3, 0), Quaterniond::Identity()}});
   EXPECT_THROW(SegmentFromMarkers(markers, {"a", "b"}), std::invalid_argument);
   EXPECT_THROW(SegmentFromMarkers(markers, {"a", "b", "c"}), std::invalid_argument);
   EXPECT_THROW(SegmentFromMarkers(markers, {"a", "b", "e"}), std::invalid_argument);
-  EXPECT_EQ(SegmentFromMarkers(markers, {"a", "b", "d"}).sample_count(), Walk().frame_count());
+  EXPECT_EQ(SegmentFromMarkers(markers, {"a", "b", "d"}).sample_count(), AlignedWalk().frame_count());
   markers.values(0, 7) = std::nan("");
   EXPECT_THROW(SegmentFromMarkers(markers, {"a", "b", "d"}), std::invalid_argument);
 }
@@ -77,8 +77,8 @@ TEST(AlignSensor, FindsMountingLeverAndDelay) {
     SCOPED_TRACE(joint);
     const Quaterniond mounting = testing::RandomRotation(rng);
     const Vector3d offset(0.03, -0.12, 0.05);
-    const SegmentMotion segment = SegmentOfJoint(Walk(), Walk().skeleton().FindRoleOrName(joint));
-    Readings readings = VirtualAccelerations(Walk(), {{"s", joint, offset, mounting}}, 100);
+    const SegmentMotion segment = SegmentOfJoint(AlignedWalk(), AlignedWalk().skeleton().FindRoleOrName(joint));
+    Readings readings = VirtualAccelerations(AlignedWalk(), {{"s", joint, offset, mounting}}, 100);
     SensorFaults faults;
     faults.noise = 0.3;
     readings = WithFaults(readings, faults, 1);
@@ -97,7 +97,7 @@ TEST(AlignSensor, FindsMountingLeverAndDelay) {
 }
 
 TEST(AlignSensor, RefusesWhatItCannotAlign) {
-  const SegmentMotion segment = SegmentOfJoint(Walk(), 0);
+  const SegmentMotion segment = SegmentOfJoint(AlignedWalk(), 0);
   EXPECT_THROW(AlignSensor(segment, Matrix3Xd::Zero(3, 20)), std::invalid_argument);
   EXPECT_THROW(AlignSensor(segment, Matrix3Xd::Constant(3, 200, std::nan(""))), std::invalid_argument);
   EXPECT_THROW(MeasureAlignment(segment, Matrix3Xd::Zero(3, 200), {}, 0, 200), std::invalid_argument);
@@ -125,7 +125,7 @@ TEST(MountingByMoments, IsFoundFromAnotherWalkersReadings) {
   for (const char* joint : {"left_wrist", "right_wrist", "left_ankle", "right_ankle"}) {
     SCOPED_TRACE(joint);
     const Quaterniond mounting = testing::RandomRotation(rng);
-    const Matrix3Xd reference = VirtualAccelerations(Walk(), PlacementsAtJoints({joint}), 30).values;
+    const Matrix3Xd reference = VirtualAccelerations(AlignedWalk(), PlacementsAtJoints({joint}), 30).values;
     const Matrix3Xd sensor = VirtualAccelerations(walker, {{"s", joint, Vector3d::Zero(), mounting}}, 30).values;
     EXPECT_LT(MountingByMoments(reference, sensor).angularDistance(mounting), 20 * kDegree);
   }
@@ -133,7 +133,7 @@ TEST(MountingByMoments, IsFoundFromAnotherWalkersReadings) {
 
 TEST(FootStrikeTimes, AreThoseOfAWalkThatIsKnown) {
   SyntheticGaitTruth truth;
-  const MotionClip& clip = Walk(&truth);
+  const MotionClip& clip = AlignedWalk(&truth);
   for (const auto& [foot, joint] : {std::pair{Foot::kLeft, "left_ankle"}, {Foot::kRight, "right_ankle"}}) {
     const Matrix3Xd readings = VirtualAccelerations(clip, PlacementsAtJoints({joint}), 100).values;
     const std::vector<double> found = FootStrikeTimes(readings, 100);
@@ -155,7 +155,7 @@ TEST(FootStrikeTimes, AreThoseOfAWalkThatIsKnown) {
 }
 
 TEST(StillPhases, AreWhereABodyStands) {
-  const Matrix3Xd readings = VirtualAccelerations(Walk(), PlacementsAtJoints({"hips"}), 100).values;
+  const Matrix3Xd readings = VirtualAccelerations(AlignedWalk(), PlacementsAtJoints({"hips"}), 100).values;
   const auto phases = StillPhases(readings, 100, 1.0);
   ASSERT_EQ(phases.size(), 2u);
   EXPECT_EQ(phases.front().first, 0);
