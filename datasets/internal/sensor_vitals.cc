@@ -10,8 +10,8 @@
 namespace morphograph {
 namespace {
 
-// Half and two and a half times gravity: the middle of all lengths stays within them even on a running foot.
-constexpr double kLeastGravity_m_s2 = 4.5, kMostGravity_m_s2 = 25;
+// Half and six times gravity. On recorded bodies the middle of all lengths is 7 (a head) to 45 (the toes of a runner) m/s^2; taken for g, these would be 71 and more.
+constexpr double kLeastGravity_m_s2 = 4.5, kMostGravity_m_s2 = 60;
 constexpr double kLeastSteadiness = 0.12;   // length of the mean over the median length; noise that means nothing has next to 0
 constexpr double kLeastPresentOfOne = 0.05;
 constexpr std::size_t kLeastSamples = 4;

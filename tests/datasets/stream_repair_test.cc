@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <numbers>
@@ -11,6 +12,7 @@
 #include <set>
 #include <stdexcept>
 
+#include "datasets/dataset_loader.h"
 #include "datasets/errors.h"
 #include "datasets/live_repair.h"
 #include "datasets/synthetic_gait.h"
@@ -435,6 +437,25 @@ TEST(LiveRepair, StartsAnewAfterALongSilenceAndRefusesNonsense) {
     for (const Eigen::VectorXd& result : silent.Push(i / 60.0, Eigen::Vector3d::Constant(kNan))) EXPECT_TRUE(result.isZero());
   }
   EXPECT_THAT(silent.dead_sensors(), ElementsAre(0));
+}
+
+// Feet of runners are thrown about by several g: none of their sensors is dead, and their blows are no spikes.
+TEST(StreamRepair, LeavesSensorsOfRunnersAlive) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  std::vector<std::filesystem::path> folders;
+  for (const char* folder : {"bnr/dataset-2/run", "cmu/09"}) {
+    if (std::filesystem::exists(testing::SharedData() / folder)) folders.push_back(testing::SharedData() / folder);
+  }
+  if (folders.empty()) GTEST_SKIP() << "no recordings of runs there";
+  for (const LoadedClip& loaded : LoadDataset(folders).clips) {
+    for (const double rate_hz : {30.0, 100.0}) {
+      const auto placements = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle", "hips", "head", "left_toe", "left_knee"});
+      const RepairedReadings repaired = RepairStream(VirtualAccelerations(loaded.clip, placements, rate_hz), {.rate_hz = 30});
+      EXPECT_THAT(repaired.dead_sensors, IsEmpty()) << loaded.clip.name << " at " << rate_hz << ": " << ::testing::PrintToString(repaired.notes);
+      EXPECT_EQ(repaired.unit_factor, 1) << loaded.clip.name;
+      EXPECT_LT(repaired.spike_share, 0.003) << loaded.clip.name << " at " << rate_hz;
+    }
+  }
 }
 
 }  // namespace
