@@ -7,7 +7,6 @@
 #include <stdexcept>
 
 #include "datasets/errors.h"
-#include "datasets/file_text.h"
 #include "datasets/internal/table_text.h"
 
 namespace morphograph {
@@ -78,10 +77,6 @@ SensorRecording ParseFootSensors(std::string_view text, const std::string& file,
   recording.rates_rad_s = ColumnsOf(values, 2 * half, rows, half, any_rate ? half : 0);
   recording.orientations.resize(0, recording.accelerations.sample_count());
   return recording;
-}
-
-SensorRecording ReadFootSensors(const std::filesystem::path& path, double rate_hz) {
-  return ParseFootSensors(ReadFileText(path), path.string(), rate_hz);
 }
 
 }  // namespace morphograph

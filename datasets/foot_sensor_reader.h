@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -16,7 +15,6 @@ inline constexpr double kFootSensorRate_hz = 204.8;
 /// in rad/s. A missing number is a lost sample.
 /// @throws DatasetError with line and column.
 SensorRecording ParseFootSensors(std::string_view text, const std::string& file, double rate_hz = kFootSensorRate_hz);
-SensorRecording ReadFootSensors(const std::filesystem::path& path, double rate_hz = kFootSensorRate_hz);
 
 /// Whether text looks like such a file.
 bool IsFootSensorText(std::string_view text);

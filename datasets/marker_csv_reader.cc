@@ -5,7 +5,6 @@
 #include <stdexcept>
 
 #include "datasets/errors.h"
-#include "datasets/file_text.h"
 #include "datasets/internal/table_text.h"
 
 namespace morphograph {
@@ -75,7 +74,5 @@ Readings ParseMarkerTable(std::string_view text, const std::string& file, double
   if (times.empty()) table.Fail(0, "no frame follows the header");
   return ReadingsInOrder(names, times, values);
 }
-
-Readings ReadMarkerTable(const std::filesystem::path& path, double rate_hz) { return ParseMarkerTable(ReadFileText(path), path.string(), rate_hz); }
 
 }  // namespace morphograph

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -15,7 +14,6 @@ inline constexpr double kMarkerTableRate_hz = 100;
 /// then axes: `,LASI,LASI,LASI,…` and `,x,y,z,…`). Numbers are kept as they are: neither unit nor axes are said (see marker_units.h). Time is the frame's number over the rate.
 /// @throws DatasetError with line and column.
 Readings ParseMarkerTable(std::string_view text, const std::string& file, double rate_hz = kMarkerTableRate_hz);
-Readings ReadMarkerTable(const std::filesystem::path& path, double rate_hz = kMarkerTableRate_hz);
 
 /// Whether text looks like such a file.
 bool IsMarkerTable(std::string_view text);

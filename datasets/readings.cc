@@ -7,7 +7,6 @@
 #include <set>
 
 #include "datasets/errors.h"
-#include "datasets/file_text.h"
 #include "datasets/internal/table_text.h"
 
 namespace morphograph {
@@ -69,8 +68,6 @@ Readings ParseReadingsCsv(std::string_view text, const std::string& file) {
   if (times.empty()) table.Fail(0, "no sample follows the header");
   return ReadingsInOrder(names, times, values);
 }
-
-Readings ReadReadingsCsv(const std::filesystem::path& path) { return ParseReadingsCsv(ReadFileText(path), path.string()); }
 
 std::string ReadingsCsv(const Readings& readings) {
   std::string text = "time";

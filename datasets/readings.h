@@ -1,7 +1,6 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <filesystem>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -27,7 +26,6 @@ struct Readings {
 /// Samples need not be in order of time (packets overtake each other): they are sorted. Of several with one time the last counts.
 /// @throws DatasetError with line and column for a wrong header, a wrong number of cells, a cell that is no number, a time that is missing.
 Readings ParseReadingsCsv(std::string_view text, const std::string& file);
-Readings ReadReadingsCsv(const std::filesystem::path& path);
 
 /// The same as text; lost values are empty cells. Times with 6 decimals, values with 9 significant digits.
 std::string ReadingsCsv(const Readings& readings);

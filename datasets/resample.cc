@@ -122,4 +122,14 @@ MotionClip Resample(const MotionClip& clip, double frame_rate_hz, std::int64_t m
   return resampled;
 }
 
+MotionClip Retimed(const MotionClip& clip, double frame_rate_hz) {
+  if (!(frame_rate_hz > 0) || !std::isfinite(frame_rate_hz)) throw std::invalid_argument("Retimed: frame rate must be positive");
+  MotionClip played(clip.shared_skeleton(), frame_rate_hz, clip.frame_count());
+  played.name = clip.name;
+  played.style = clip.style;
+  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &played.rotation(f, 0));
+  played.root_positions() = clip.root_positions();
+  return played;
+}
+
 }  // namespace morphograph

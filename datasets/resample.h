@@ -21,4 +21,8 @@ inline constexpr std::int64_t kMaxResampledJointFrames = 60'000'000;
 MotionClip Resample(const MotionClip& clip, double frame_rate_hz,
                     std::int64_t max_joint_frames = kMaxResampledJointFrames);
 
+/// The same frames at another frame rate: the clip played faster or slower.
+/// @throws std::invalid_argument when the rate is not positive.
+MotionClip Retimed(const MotionClip& clip, double frame_rate_hz);
+
 }  // namespace morphograph

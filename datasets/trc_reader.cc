@@ -5,7 +5,6 @@
 #include <set>
 
 #include "datasets/errors.h"
-#include "datasets/file_text.h"
 #include "datasets/internal/table_text.h"
 
 namespace morphograph {
@@ -89,7 +88,5 @@ Readings ParseTrc(std::string_view text, const std::string& file) {
   if (times.empty()) table.Fail(0, "no frame follows the header");
   return ReadingsInOrder(names, times, values);
 }
-
-Readings ReadTrc(const std::filesystem::path& path) { return ParseTrc(ReadFileText(path), path.string()); }
 
 }  // namespace morphograph

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <string_view>
 
@@ -15,6 +14,5 @@ namespace morphograph {
 /// Y is up in what most writers make.
 /// @throws DatasetError with line and column.
 Readings ParseTrc(std::string_view text, const std::string& file);
-Readings ReadTrc(const std::filesystem::path& path);
 
 }  // namespace morphograph

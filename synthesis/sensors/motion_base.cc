@@ -19,13 +19,6 @@ constexpr int kFewestFrames = 5;
 constexpr double kStill_rad = 1e-4;
 constexpr double kNoBone_m = 1e-6;
 
-MotionClip WithRate(const MotionClip& clip, double frame_rate_hz) {
-  MotionClip other(clip.shared_skeleton(), frame_rate_hz, clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &other.rotation(f, 0));
-  other.root_positions() = clip.root_positions();
-  return other;
-}
-
 MotionClip Reversed(const MotionClip& clip) {
   MotionClip reversed(clip.shared_skeleton(), clip.frame_rate_hz(), clip.frame_count());
   for (int f = 0; f < clip.frame_count(); ++f) {
@@ -50,7 +43,7 @@ std::vector<MotionClip> Copies(const MotionClip& clip, const MotionBaseOptions& 
   if (options.mirrored) sides.push_back(Mirrored(clip));
   for (const MotionClip& side : sides) {
     add(Resample(side, options.frame_rate_hz));
-    for (const double tempo : options.tempos) add(Resample(WithRate(side, side.frame_rate_hz() * tempo), options.frame_rate_hz));
+    for (const double tempo : options.tempos) add(Resample(Retimed(side, side.frame_rate_hz() * tempo), options.frame_rate_hz));
   }
   return copies;
 }
@@ -118,11 +111,10 @@ MotionBase::MotionBase(const std::vector<MotionClip>& clips, std::vector<Placeme
   ParallelFor(options.jobs, static_cast<int>(clips.size()), [&](int i) { sets[static_cast<std::size_t>(i)] = Copies(clips[static_cast<std::size_t>(i)], options); });
   std::vector<Eigen::Index> first_frames;
   Eigen::Index frames = 0;
-  for (std::size_t i = 0; i < sets.size(); ++i) {
-    for (const MotionClip& clip : sets[i]) {
+  for (const std::vector<MotionClip>& set : sets) {
+    for (const MotionClip& clip : set) {
+      clip_of_.insert(clip_of_.end(), static_cast<std::size_t>(clip.frame_count()), static_cast<int>(first_frames.size()));
       first_frames.push_back(frames);
-      clip_of_.insert(clip_of_.end(), static_cast<std::size_t>(clip.frame_count()), static_cast<int>(source_of_.size()));
-      source_of_.push_back(static_cast<int>(i));
       frames += clip.frame_count();
     }
   }

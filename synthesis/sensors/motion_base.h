@@ -51,8 +51,6 @@ class MotionBase {
   /// Frames follow each other clip by clip; of which clip a frame is, and whether the frame before it is of the same.
   int clip_of(Eigen::Index frame) const { return clip_of_[static_cast<std::size_t>(frame)]; }
   bool follows(Eigen::Index frame) const { return frame > 0 && clip_of(frame) == clip_of(frame - 1); }
-  /// The captured clip (index into the clips given) that a clip of the base is a copy of.
-  int source_of(int clip) const { return source_of_[static_cast<std::size_t>(clip)]; }
 
   /// (3 * active joints x frames), BasePose::rotations.
   const Eigen::MatrixXf& rotations() const { return rotations_; }
@@ -82,7 +80,7 @@ class MotionBase {
   std::vector<Placement> sensors_;
   std::vector<int> active_joints_, measured_joints_;
   std::vector<Eigen::Quaterniond> mean_rotations_;
-  std::vector<int> clip_of_, source_of_;
+  std::vector<int> clip_of_;
   Eigen::MatrixXf rotations_, positions_, accelerations_, travel_;
 };
 

@@ -24,12 +24,8 @@ using ::testing::HasSubstr;
 class ReconstructionRoutesTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::vector<TrainingClip> clips;
-    for (auto& [name, clip] : testing::SmallWalks()) clips.push_back({clip, false});
-    TrainingOptions options;
-    options.keep_recordings = true;
     app_ = new testing::TestService;
-    app_->service.models.Add("walk", BuildGraph(clips, options));
+    app_->service.models.Add("walk", testing::SmallModelWithRecordings());
     app_->Start();
   }
   static void TearDownTestSuite() { delete app_; }

@@ -27,6 +27,7 @@
 #include "graph/graph_builder.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/sensors/reconstruction.h"
+#include "tests/benchmarks/body_size.h"
 
 namespace {
 
@@ -66,27 +67,6 @@ std::shared_ptr<const MotionGraph> TrainWithout(const std::vector<Recorded>& rec
   options.keep_recordings = true;
   options.jobs = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
   return BuildGraph(clips, options);
-}
-
-MotionClip WithRate(const MotionClip& clip, double frame_rate_hz) {
-  MotionClip other(clip.shared_skeleton(), frame_rate_hz, clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &other.rotation(f, 0));
-  other.root_positions() = clip.root_positions();
-  return other;
-}
-
-// The same poses by a body of another size.
-MotionClip Scaled(const MotionClip& clip, double scale) {
-  std::vector<Joint> joints = clip.skeleton().joints();
-  for (Joint& joint : joints) {
-    joint.offset_m *= scale;
-    if (joint.end_site_m) *joint.end_site_m *= scale;
-  }
-  const auto skeleton = std::make_shared<const Skeleton>(std::move(joints), clip.skeleton().roles(), clip.skeleton().metres_per_unit(), clip.skeleton().up_axis());
-  MotionClip scaled(skeleton, clip.frame_rate_hz(), clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &scaled.rotation(f, 0));
-  scaled.root_positions() = scale * clip.root_positions();
-  return scaled;
 }
 
 struct Row {
@@ -144,10 +124,10 @@ int main(int argc, char** argv) {
       if (plain) continue;
       Add(*reconstructor, truth, truth, {.noise = 1.2, .mounting_rad = 10 * M_PI / 180}, row("noise and askew"));
       for (const double tempo : {0.8, 1.2}) {
-        const MotionClip played = Resample(WithRate(truth, truth.frame_rate_hz() * tempo), kReconstructionRate_hz);
+        const MotionClip played = Resample(Retimed(truth, truth.frame_rate_hz() * tempo), kReconstructionRate_hz);
         Add(*reconstructor, played, played, {}, row(tempo < 1 ? "a fifth slower" : "a fifth faster"));
       }
-      for (const double scale : {0.8, 1.2}) Add(*reconstructor, Scaled(truth, scale), truth, {}, row(scale < 1 ? "0.8 times the size" : "1.2 times the size"));
+      for (const double scale : {0.8, 1.2}) Add(*reconstructor, OfSize(truth, scale), truth, {}, row(scale < 1 ? "0.8 times the size" : "1.2 times the size"));
     }
   }
   std::printf("%-20s %6s %8s %8s %6s %6s %6s %8s %9s\n", "", "clips", "mean cm", "95 % cm", "jerk", "skate", "feet", "ln p", "ms/frame");

@@ -37,6 +37,7 @@
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
+#include "tests/benchmarks/body_size.h"
 
 namespace {
 
@@ -113,24 +114,6 @@ std::vector<Split> MakeSplits(const std::vector<Recording>& recordings, const st
   return splits;
 }
 
-MotionClip WithRate(const MotionClip& clip, double frame_rate_hz) {
-  MotionClip other(clip.shared_skeleton(), frame_rate_hz, clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &other.rotation(f, 0));
-  other.root_positions() = clip.root_positions();
-  return other;
-}
-
-// The same motion on a body whose lengths are all this many times as long.
-MotionClip OfSize(const MotionClip& clip, double scale) {
-  std::vector<Joint> joints = clip.skeleton().joints();
-  for (Joint& joint : joints) joint.offset_m *= scale;
-  const auto skeleton = std::make_shared<Skeleton>(std::move(joints), clip.skeleton().roles(), clip.skeleton().metres_per_unit(), clip.skeleton().up_axis());
-  MotionClip other(skeleton, clip.frame_rate_hz(), clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &other.rotation(f, 0));
-  other.root_positions() = scale * clip.root_positions();
-  return other;
-}
-
 SensorFaults BadSensors() {
   SensorFaults faults;
   faults.noise = 1.2;
@@ -193,7 +176,7 @@ struct TestClip {
 };
 
 TestClip Simulated(const Recording& recording, const MotionBase& base, const Trial& trial, std::uint64_t seed) {
-  const MotionClip played = trial.tempo == 1 ? recording.clip : WithRate(recording.clip, recording.clip.frame_rate_hz() * trial.tempo);
+  const MotionClip played = trial.tempo == 1 ? recording.clip : Retimed(recording.clip, recording.clip.frame_rate_hz() * trial.tempo);
   Readings readings = VirtualAccelerations(trial.size == 1 ? played : OfSize(played, trial.size), base.sensors(), base.frame_rate_hz());
   readings = WithFaults(readings, trial.faults, seed);
   return {recording.clip.name, Resample(Retarget(played, base.shared_skeleton()), base.frame_rate_hz()), readings.values};

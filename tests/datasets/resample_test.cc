@@ -10,6 +10,7 @@
 #include "datasets/clip_conversion.h"
 #include "datasets/bvh_reader.h"
 #include "datasets/forward_kinematics.h"
+#include "datasets/synthetic_gait.h"
 #include "tests/support/shared_data.h"
 
 namespace morphograph {
@@ -133,6 +134,18 @@ TEST(Resample, MovesJointsOfARealWalkByMillimetres) {
   EXPECT_LT(sum / static_cast<double>(after.size()), 0.003);
   RecordProperty("worst_mm", std::to_string(worst * 1000));
   RecordProperty("mean_mm", std::to_string(sum / static_cast<double>(after.size()) * 1000));
+}
+
+TEST(Retimed, KeepsFramesAndChangesTheirTime) {
+  SyntheticGaitOptions options;
+  options.frame_rate_hz = 30;
+  const MotionClip clip = GenerateGait(options);
+  const MotionClip slow = Retimed(clip, 24);
+  EXPECT_EQ(slow.frame_count(), clip.frame_count());
+  EXPECT_NEAR(slow.duration_s(), 1.25 * clip.duration_s(), 1e-9);
+  EXPECT_EQ(slow.root_positions(), clip.root_positions());
+  for (int j = 0; j < clip.joint_count(); ++j) EXPECT_EQ(slow.rotation(9, j).coeffs(), clip.rotation(9, j).coeffs());
+  EXPECT_THROW(Retimed(clip, 0), std::invalid_argument);
 }
 
 }  // namespace

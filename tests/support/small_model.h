@@ -53,4 +53,16 @@ inline std::shared_ptr<const MotionGraph> SmallModel() {
   return model;
 }
 
+/// The same with its recordings kept, which count as captured.
+inline std::shared_ptr<const MotionGraph> SmallModelWithRecordings() {
+  static const std::shared_ptr<const MotionGraph> model = [] {
+    std::vector<TrainingClip> clips;
+    for (auto& [name, clip] : SmallWalks()) clips.push_back({std::move(clip), false});
+    TrainingOptions options;
+    options.keep_recordings = true;
+    return BuildGraph(clips, options);
+  }();
+  return model;
+}
+
 }  // namespace morphograph::testing

@@ -17,11 +17,7 @@ std::vector<Placement> FourSensors() { return PlacementsAtJoints({"left_wrist", 
 class GraphReconstructionTest : public ::testing::Test {
  protected:
   static void SetUpTestSuite() {
-    std::vector<TrainingClip> clips;
-    for (auto& [name, clip] : testing::SmallWalks()) clips.push_back({clip, false});
-    TrainingOptions options;
-    options.keep_recordings = true;
-    graph_ = BuildGraph(clips, options);
+    graph_ = testing::SmallModelWithRecordings();
     const MotionSource source = SourceOf(*graph_);
     steps_ = new CapturedSteps(source.clips, source.steps, graph_->layout(), FourSensors());
     search_ = new StepSearch(*steps_);
