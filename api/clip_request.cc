@@ -21,7 +21,7 @@ constexpr double kMaxHeading_deg = 1e6;
 constexpr std::size_t kMaxActions = 100;
 
 // Fields of the contract that come with later releases.
-const std::vector<std::string_view> kFutureFields = {"sensors", "markers", "input"};
+const std::vector<std::string_view> kFutureFields = {"markers", "input"};
 
 void ReadSeed(ObjectReader* reader, ClipRequest* request) {
   const json* value = reader->Take("seed");
@@ -89,6 +89,7 @@ double ExpectedDuration_s(const ClipRequest& request) {
   if (request.steps) return *request.steps;
   const ControlTerms& control = request.control;
   if (control.goal && control.goal->time_s) return *control.goal->time_s;
+  if (control.sensors && control.sensors->readings.times_s.size() >= 2) return control.sensors->readings.times_s.back() - control.sensors->readings.times_s.front();
   double way_m = 0;
   if (control.path) {
     way_m = LineLength(control.path->points_m);
@@ -128,8 +129,8 @@ void CheckExtent(const ClipRequest& request, Findings* findings) {
   const double seconds = ExpectedDuration_s(request);
   const double rate_hz = request.output.frame_rate_hz.value_or(30);
   if (seconds * rate_hz > kMaxFrames) {
-    const bool by_way = !request.duration_s && !request.steps;
-    findings->Unmeetable(request.duration_s ? "/duration" : request.steps ? "/steps" : request.control.path ? "/path/points" : "/goal",
+    const bool by_way = !request.duration_s && !request.steps && !request.control.sensors;
+    findings->Unmeetable(request.duration_s ? "/duration" : request.steps ? "/steps" : request.control.sensors ? "/sensors/readings" : request.control.path ? "/path/points" : "/goal",
                          "a clip has at most " + std::to_string(kMaxFrames) + " frames; at " + NumberText(rate_hz) +
                              " frames per second at most " + NumberText(std::floor(kMaxFrames / rate_hz)) + " seconds" +
                              (by_way ? ", and this way takes about " + NumberText(std::round(seconds)) : ""));

@@ -1,13 +1,16 @@
 #include "api/clip_response.h"
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "api/content_hash.h"
+#include "api/repair_report.h"
 #include "api/request/angles.h"
 #include "api/rounded_json.h"
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
+#include "synthesis/control/sensor_guide.h"
 
 namespace morphograph {
 namespace {
@@ -23,7 +26,7 @@ ordered_json ConstraintsJson(const std::vector<ControlOutcome>& outcomes) {
     json["met"] = outcome.met;
     const bool is_angle = outcome.unit == "rad";
     json["residual"] = Decimals5(is_angle ? DegreesFromRadians(outcome.residual) : outcome.residual);
-    json["tolerance"] = Decimals5(is_angle ? DegreesFromRadians(outcome.tolerance) : outcome.tolerance);
+    if (std::isfinite(outcome.tolerance)) json["tolerance"] = Decimals5(is_angle ? DegreesFromRadians(outcome.tolerance) : outcome.tolerance);
     json["unit"] = is_angle ? "deg" : outcome.unit;
   }
   return list;
@@ -107,6 +110,11 @@ std::string ReportJson(const SynthesisReport& report) {
   auto& path = json["path"] = ordered_json::array();
   for (const Eigen::Vector2d& point : report.path_m) path.push_back(FloorPointJson(point));
   json["constraints"] = ConstraintsJson(report.constraints);
+  if (report.sensors) {
+    std::vector<std::string> used;
+    for (const Placement& placement : report.sensors->placements) used.push_back(placement.name);
+    json["sensors"] = RepairJson(used, report.sensors->repaired);
+  }
   json["quality"] = QualityJson(report.quality);
   return json.dump();
 }

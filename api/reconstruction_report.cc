@@ -3,6 +3,7 @@
 #include <nlohmann/json.hpp>
 
 #include "api/clip_response.h"
+#include "api/repair_report.h"
 #include "api/rounded_json.h"
 
 namespace morphograph {
@@ -16,17 +17,9 @@ std::string ReconstructionReportJson(ReconstructionMethod method, const Reconstr
     report.erase("steps");
     report.erase("constraints");
   }
-  ordered_json dead = ordered_json::array();
-  for (const int sensor : made.repaired.dead_sensors) dead.push_back(made.repaired.readings.names[static_cast<std::size_t>(sensor)]);
-  ordered_json about = {{"method", std::string(MethodName(method))},
-                        {"sensors", made.sensors},
-                        {"dead_sensors", dead},
-                        {"lost", Decimals5(made.repaired.lost_share)},
-                        {"spikes", Decimals5(made.repaired.spike_share)},
-                        {"clipped", Decimals5(made.repaired.clipped_share)},
-                        {"longest_gap", Decimals5(made.repaired.longest_gap_s)},
-                        {"notes", made.repaired.notes},
-                        {"latency_ms", {{"mean", Decimals5(reconstruction.latency_ms_mean)}, {"p95", Decimals5(reconstruction.latency_ms_p95)}}}};
+  ordered_json about = {{"method", std::string(MethodName(method))}};
+  about.update(RepairJson(made.sensors, made.repaired));
+  about["latency_ms"] = {{"mean", Decimals5(reconstruction.latency_ms_mean)}, {"p95", Decimals5(reconstruction.latency_ms_p95)}};
   if (reconstruction.residual_m_s2) about["residual"] = Decimals5(*reconstruction.residual_m_s2);
   if (errors) {
     about["errors"] = {{"frames", errors->frames},

@@ -5,6 +5,7 @@
 #include <random>
 #include <vector>
 
+#include "synthesis/control/sensor_guide.h"
 #include "synthesis/control/steered_synthesis.h"
 #include "synthesis/draw_index.h"
 #include "synthesis/evaluation.h"
@@ -214,13 +215,21 @@ SynthesisResult Synthesize(const MotionGraph& graph, const SynthesisRequest& req
   }
   std::mt19937_64 rng(request.seed);
   const double rate_hz = request.frame_rate_hz.value_or(graph.frame_rate_hz());
-  const int style = DrawStyle(graph, request, rng);
+  if (request.control.sensors && !request.control.sensors->guide) {
+    SynthesisRequest prepared = request;
+    PrepareSensors(graph, &prepared);
+    return Synthesize(graph, prepared, variant);
+  }
+  int style = DrawStyle(graph, request, rng);
+  // Readings know more of the style than a draw does.
+  if (request.control.sensors && !request.style && !request.control.sensors->guide->walk.steps.empty()) style = request.control.sensors->guide->walk.style;
   if (!request.control.empty()) {
     SteeredWalk steered = SteerWalk(graph, request, style, rate_hz, rng);
     SynthesisResult result{std::move(steered.clip), {}};
     result.report = DescribeWalk(graph, steered.walk, result.clip, &steered.evaluation);
     result.report.seed = request.seed;
     result.report.constraints = std::move(steered.outcomes);
+    if (request.control.sensors) result.report.sensors = request.control.sensors->guide;
     return result;
   }
   const DrawnWalk walk = DrawWalk(graph,

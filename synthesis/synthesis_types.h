@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -101,6 +102,7 @@ struct SynthesisReport {
   std::vector<StepReport> steps;
   std::vector<PlantedFoot> contacts;
   std::vector<Eigen::Vector2d> path_m;  // root on the floor (x, z), one a frame
+  std::shared_ptr<const SensorGuide> sensors = {};  // of clips that readings steered
   std::vector<ControlOutcome> constraints;  // path, goal and speed first, then as they were asked for
   ClipQuality quality;
 };

@@ -7,6 +7,7 @@
 
 #include "datasets/parallel_for.h"
 #include "synthesis/control/floor_path.h"
+#include "synthesis/control/sensor_guide.h"
 #include "synthesis/joint_spread.h"
 #include "synthesis/motion_synthesizer.h"
 
@@ -148,7 +149,9 @@ VariantSummary SummariseVariants(const SynthesisRequest& request, int asked, con
   return summary;
 }
 
-VariantSet MakeVariants(const MotionGraph& graph, const SynthesisRequest& request, const VariantOptions& options) {
+VariantSet MakeVariants(const MotionGraph& graph, const SynthesisRequest& asked, const VariantOptions& options) {
+  SynthesisRequest request = asked;
+  PrepareSensors(graph, &request);
   if (options.count < 1) throw std::invalid_argument("MakeVariants: count must be at least 1");
   std::vector<Attempt> attempts(static_cast<std::size_t>(options.count));
   std::atomic<std::int64_t> joint_frames = 0;

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "api/request/angles.h"
+#include "api/request/readings_reader.h"
 #include "synthesis/synthesis_types.h"
 
 namespace morphograph {
@@ -134,6 +135,14 @@ void ReadControlTerms(ObjectReader* request, ControlTerms* terms) {
   Findings* findings = request->findings();
   if (const json* path = request->Object("path")) ReadPath(*path, findings, terms);
   if (const json* goal = request->Object("goal")) ReadGoal(*goal, findings, terms);
+  if (const json* sensors = request->Object("sensors")) {
+    SensorTerm& term = terms->sensors.emplace();
+    double tolerance_m_s2 = 0;
+    PlacedReadings placed = ReadPlacedReadings(*sensors, "/sensors", findings, &tolerance_m_s2);
+    term.readings = std::move(placed.readings);
+    term.placements = std::move(placed.placements);
+    if (tolerance_m_s2 > 0) term.tolerance_m_s2 = tolerance_m_s2;
+  }
   if (const json* speed = request->Take("speed")) {
     SpeedTerm& term = terms->speed.emplace();
     if (speed->is_object()) {

@@ -1,5 +1,7 @@
 #include "api/request/control_writer.h"
 
+#include <cmath>
+
 #include "api/request/angles.h"
 
 namespace morphograph {
@@ -33,6 +35,20 @@ void PutTolerance_m(const Term& term, ordered_json* json) {
 template <typename Term>
 void PutTolerance_deg(const Term& term, ordered_json* json) {
   PutUnless(DegreesFromRadians(Term().tolerance_rad), "tolerance", DegreesFromRadians(term.tolerance_rad), json);
+}
+
+ordered_json SensorsJson(const SensorTerm& term) {
+  ordered_json json = {{"times", term.readings.times_s}, {"placements", ordered_json::parse(PlacementsJson(term.placements)).at("placements")}};
+  ordered_json& rows = json["readings"] = ordered_json::array();
+  for (Eigen::Index n = 0; n < term.readings.values.cols(); ++n) {
+    ordered_json& row = rows.emplace_back(ordered_json::array());
+    for (Eigen::Index v = 0; v < term.readings.values.rows(); ++v) {
+      const double value = term.readings.values(v, n);
+      row.push_back(std::isfinite(value) ? ordered_json(value) : ordered_json());
+    }
+  }
+  if (term.tolerance_m_s2) json["tolerance"] = *term.tolerance_m_s2;
+  return json;
 }
 
 // One overload a kind of constraint.
@@ -127,6 +143,7 @@ void WriteControlTerms(const ControlTerms& terms, ordered_json* request) {
       PutUnless(SpeedTerm().tolerance_m_s, "tolerance", speed->tolerance_m_s, &json);
     }
   }
+  if (terms.sensors) (*request)["sensors"] = SensorsJson(*terms.sensors);
   if (terms.constraints.empty()) return;
   ordered_json& constraints = (*request)["constraints"] = ordered_json::array();
   for (const Constraint& constraint : terms.constraints) constraints.push_back(std::visit(ConstraintWriter(), constraint));

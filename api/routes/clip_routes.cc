@@ -42,7 +42,9 @@ void SetClipHeaders(const std::string& id, ClipForm form, const ClipStore::Entry
 
 HttpResponse MakeClip(Service* service, const std::string& id, ClipForm form, const ClipStore::Entry& entry) {
   const auto started = std::chrono::steady_clock::now();
-  SynthesisResult made = Synthesize(*entry.model->graph, ToSynthesisRequest(entry.request));
+  SynthesisRequest asked = ToSynthesisRequest(entry.request);
+  PrepareSensors(service, *entry.model, &asked);
+  SynthesisResult made = Synthesize(*entry.model->graph, asked);
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   made.report.model_name = entry.model->name;  // as it was asked for: two files may call their models the same
   service->metrics.CountClip(made.clip.frame_count(), elapsed.count());

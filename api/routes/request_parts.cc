@@ -2,6 +2,7 @@
 
 #include "api/content_negotiation.h"
 #include "api/problem.h"
+#include "synthesis/control/sensor_guide.h"
 
 namespace morphograph {
 
@@ -19,6 +20,12 @@ std::shared_ptr<const ServedModel> FindServed(const ModelRegistry& models, const
   Problem problem{404, "no model of that name is served", {}, {}, {}};
   problem.errors = {{"/model", names.empty() ? "no model is served" : "served are: " + Excerpt(names, 400)}};
   throw ProblemError(std::move(problem));
+}
+
+void PrepareSensors(Service* service, const ServedModel& model, SynthesisRequest* request) {
+  PrepareSensors(*model.graph, request, [&](const std::vector<Placement>& sensors) {
+    return service->reconstructors.Get(model.graph, ReconstructionMethod::kGraph, sensors)->steps();
+  });
 }
 
 }  // namespace morphograph

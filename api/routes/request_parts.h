@@ -5,6 +5,8 @@
 
 #include "api/http_message.h"
 #include "api/model_registry.h"
+#include "api/service.h"
+#include "synthesis/synthesis_types.h"
 
 namespace morphograph {
 
@@ -13,5 +15,9 @@ const std::string& ClipRequestText(const HttpRequest& request);
 
 /// A model that is served. @throws ProblemError 404 at /model, naming those that are.
 std::shared_ptr<const ServedModel> FindServed(const ModelRegistry& models, const std::string& name);
+
+/// Makes the readings of a clip request ready, where it has some, with what was made for the same sensors before.
+/// @throws UnsatisfiableRequest as MakeSensorGuide().
+void PrepareSensors(Service* service, const ServedModel& model, SynthesisRequest* request);
 
 }  // namespace morphograph

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 
+#include "datasets/virtual_sensors.h"
 #include "synthesis/control/floor_area.h"
 
 namespace morphograph {
@@ -33,6 +34,7 @@ class Measurer {
     if (problem_.request.duration_s && problem_.guide.to != WalkBoundary::kWalking)
       Add("/duration", std::abs(measured_.clip.duration_s() - *problem_.request.duration_s), kTimeTolerance_s, "s", false, {measured_.clip.duration_s()});
     if (control.speed) Add("/speed", SpeedMiss(*control.speed), control.speed->tolerance_m_s, "m/s", true);
+    if (control.sensors) Add("/sensors", SensorMiss(), control.sensors->tolerance_m_s2.value_or(std::numeric_limits<double>::infinity()), "m/s2", true);
     for (size_t i = 0; i < control.constraints.size(); ++i) {
       index_ = static_cast<int>(i);
       std::visit([&](const auto& term) { Of(term); }, control.constraints[i]);
@@ -82,6 +84,16 @@ class Measurer {
       ++steps;
     }
     return steps > 0 ? sum / steps : std::numeric_limits<double>::infinity();
+  }
+
+  // Of all readings but the first and the last, whose second differences would take a sample outside.
+  double SensorMiss() const {
+    const Eigen::MatrixXd& wanted = problem_.sensors->readings;
+    const Eigen::Index samples = std::min<Eigen::Index>(wanted.cols(), static_cast<Eigen::Index>(measured_.clip.duration_s() * kSensorRate_hz + 1e-6) + 1);
+    if (samples < 3) return 0;
+    const Eigen::MatrixXd there = VirtualAccelerations(measured_.clip, problem_.sensors->placements, kSensorRate_hz).values;
+    const Eigen::Index inner = std::min(samples, there.cols()) - 2;
+    return std::sqrt((there.middleCols(1, inner) - wanted.middleCols(1, inner)).squaredNorm() / static_cast<double>(inner * wanted.rows()));
   }
 
   const WorldPose& PoseAt(int frame) {

@@ -31,6 +31,7 @@ class Maker {
 
   void Make() {
     ResolveJoints();
+    ResolveSensors();
     MakeGuide();
   }
 
@@ -83,6 +84,17 @@ class Maker {
             }
           },
           constraints[i]);
+    }
+  }
+
+  void ResolveSensors() {
+    const auto& term = problem_.request.control.sensors;
+    if (!term) return;
+    problem_.sensors = term->guide;  // Synthesize() has made it
+    const auto& means = problem_.graph.styles()[static_cast<size_t>(problem_.style)].mean_rotations;
+    const std::vector<int> joints = JointsOf(problem_.sensors->placements, skeleton_);
+    for (size_t s = 0; s < joints.size(); ++s) {
+      problem_.chained_sensors.push_back({problem_.sensors->placements[s], std::make_shared<JointChain>(problem_.graph.layout(), means, joints[s])});
     }
   }
 
@@ -175,7 +187,12 @@ class Maker {
     } else if (heads_along) {
       guide.start.heading_rad = guide.path->Heading(0);
     }
-    if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = 5;
+    if (problem_.sensors) {
+      for (const DrawnStep& step : problem_.sensors->walk.steps) guide.given.push_back(step.step);
+      if (!guide.given.empty()) guide.given_from_s = problem_.sensors->walk.steps.front().start / kSensorRate_hz;
+      if (!guide.duration_s && !guide.steps && problem_.sensors->readings.cols() >= 2) guide.duration_s = problem_.sensors->duration_s();
+    }
+    if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = kDefaultDuration_s;
     CheckAreas();
   }
 

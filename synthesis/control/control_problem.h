@@ -3,6 +3,8 @@
 #include <memory>
 #include <vector>
 
+#include "synthesis/control/chained_sensor.h"
+#include "synthesis/control/sensor_guide.h"
 #include "synthesis/control/walk_planner.h"
 
 namespace morphograph {
@@ -26,6 +28,8 @@ struct ControlProblem {
   std::optional<Eigen::Vector2d> goal_m = {};  // of the goal, else the end of the path that was asked for
   std::vector<std::vector<ResolvedJoint>> joints = {};  // per constraint
   Eigen::Vector3d head_forward = Eigen::Vector3d::UnitZ();  // in the head's frame
+  std::shared_ptr<const SensorGuide> sensors = {};  // where readings were given
+  std::vector<ChainedSensor> chained_sensors = {};  // of sensors->placements
   ResolvedJoint head = {}, ball[2] = {}, heel[2] = {};  // ball and ankle of the left and the right foot
 
   const Eigen::Quaterniond& mean_root() const {

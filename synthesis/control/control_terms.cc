@@ -44,6 +44,8 @@ struct FormOf {
 Problem ControlTerms::FirstProblem() const {
   if (path && path->points_m.size() < 2) return Problem({"/path/points", "needs two points"});
   if (speed && speed->profile.empty()) return Problem({"/speed", "needs a value"});
+  if (sensors && (sensors->readings.names.size() != sensors->placements.size() || sensors->readings.values.rows() != 3 * static_cast<Eigen::Index>(sensors->placements.size())))
+    return Problem({"/sensors/placements", "must be as many as the sensors of the readings"});
   for (size_t i = 0; i < constraints.size(); ++i) {
     if (const Problem problem = std::visit(FormOf(), constraints[i])) return Problem({"/constraints/" + std::to_string(i) + problem->first, problem->second});
   }

@@ -2,13 +2,19 @@
 
 #include <Eigen/Core>
 #include <Eigen/Geometry>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <variant>
 #include <vector>
 
+#include "datasets/placements.h"
+#include "datasets/readings.h"
+
 namespace morphograph {
+
+struct SensorGuide;
 
 /// What a clip can be asked to do (METHODS section 4). Positions on the floor are (x, z), all lengths metres, angles radians.
 /// A term is met where its residual, measured on the finished clip, is no more than its tolerance.
@@ -114,14 +120,24 @@ struct PoseTerm {
 
 using Constraint = std::variant<PositionTerm, OrientationTerm, TrajectoryTerm, HeadingTerm, FootstepTerm, KeepOutTerm, LookAtTerm, PoseTerm>;
 
+/// Readings of accelerometers on the walker, from the clip's start on (Xie 2009, Eq. 6.4; METHODS section 4): the walk is one that they make likely.
+/// Residual: root mean square of the readings less those of the same sensors on the clip (m/s^2).
+struct SensorTerm {
+  Readings readings;                  // m/s^2, gravity included; the first sample is the clip's start
+  std::vector<Placement> placements;  // one a sensor of `readings`, in order
+  std::optional<double> tolerance_m_s2 = {};  // absent: any residual will do
+  std::shared_ptr<const SensorGuide> guide = {};  // made of them beforehand (MakeSensorGuide); empty: made by Synthesize()
+};
+
 /// All that one clip is asked to do.
 struct ControlTerms {
   std::optional<PathTerm> path = {};
   std::optional<GoalTerm> goal = {};
   std::optional<SpeedTerm> speed = {};
+  std::optional<SensorTerm> sensors = {};
   std::vector<Constraint> constraints;
 
-  bool empty() const { return !path && !goal && !speed && constraints.empty(); }
+  bool empty() const { return !path && !goal && !speed && !sensors && constraints.empty(); }
   /// What is wrong with their form, if anything: the field and the reason.
   std::optional<std::pair<std::string, std::string>> FirstProblem() const;
 };
@@ -132,8 +148,8 @@ struct ControlOutcome {
   std::optional<int> index = {};    // of `constraints`, where it is one of them
   bool met = false;
   double residual = 0;
-  double tolerance = 0;
-  std::string unit = {};       // "m", "rad", "m/s" or "s", of both
+  double tolerance = 0;        // infinite where anything will do
+  std::string unit = {};       // "m", "rad", "m/s", "m/s2" or "s", of both
   bool is_mean = false;        // of many frames, or a quantile over them
   std::vector<double> reached = {};  // what came nearest, in the form of the value that was asked for (degrees as radians); empty for areas and lines
 };

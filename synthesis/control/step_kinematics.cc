@@ -106,9 +106,14 @@ FloorState StepKinematics::Root(const StepMoment& moment, const Eigen::VectorXd&
 
 PointState StepKinematics::Joint(const JointChain& chain, const StepMoment& moment, const Eigen::VectorXd& w,
                                  const KeyframePlace& place) const {
+  return Joints({&chain}, moment, w, place).front();
+}
+
+std::vector<PointState> StepKinematics::Joints(const std::vector<const JointChain*>& chains, const StepMoment& moment, const Eigen::VectorXd& w,
+                                               const KeyframePlace& place) const {
   const Phase phase = PhaseAt(moment, w, place);
   const StepModel::Map map = model_->Pose(phase.value);
-  const JointState joint = chain.At(Evaluate(map, w));
+  const Eigen::VectorXd pose = Evaluate(map, w);
   Eigen::MatrixXd by_latent = map.by_latent;
   Eigen::VectorXd rate;
   if (moment.is_time) {
@@ -117,25 +122,29 @@ PointState StepKinematics::Joint(const JointChain& chain, const StepMoment& mome
   }
   const Frame frame = FrameOf(w, place);
   const Eigen::Matrix3d yaw = YawMatrix(frame.yaw);
-  const Eigen::Vector3d moved = yaw * (joint.position_m - frame.origin);
-  const Eigen::Vector3d by_yaw = ByYaw(moved);
 
-  PointState state;
-  state.position_m = moved + Eigen::Vector3d(place[kPlaceX], 0, place[kPlaceZ]);
-  state.rotation = yaw * joint.rotation;
-  state.position_by_latent = yaw * (joint.position_by_pose * by_latent - frame.origin_by_latent) + by_yaw * frame.yaw_by_latent;
-  state.turn_by_latent = yaw * (joint.turn_by_pose * by_latent);
-  state.turn_by_latent.row(1) += frame.yaw_by_latent;
-  state.position_by_place.setZero();
-  state.turn_by_place.setZero();
-  state.position_by_place(0, kPlaceX) = state.position_by_place(2, kPlaceZ) = 1;
-  state.position_by_place.col(kPlaceHeading) = by_yaw;
-  state.turn_by_place(1, kPlaceHeading) = 1;
-  if (moment.is_time) {
-    state.position_by_place.col(kPlaceTime) = yaw * (joint.position_by_pose * rate) * phase.by_time;
-    state.turn_by_place.col(kPlaceTime) = yaw * (joint.turn_by_pose * rate) * phase.by_time;
+  std::vector<PointState> states;
+  for (const JointChain* chain : chains) {
+    const JointState joint = chain->At(pose);
+    const Eigen::Vector3d moved = yaw * (joint.position_m - frame.origin);
+    const Eigen::Vector3d by_yaw = ByYaw(moved);
+    PointState& state = states.emplace_back();
+    state.position_m = moved + Eigen::Vector3d(place[kPlaceX], 0, place[kPlaceZ]);
+    state.rotation = yaw * joint.rotation;
+    state.position_by_latent = yaw * (joint.position_by_pose * by_latent - frame.origin_by_latent) + by_yaw * frame.yaw_by_latent;
+    state.turn_by_latent = yaw * (joint.turn_by_pose * by_latent);
+    state.turn_by_latent.row(1) += frame.yaw_by_latent;
+    state.position_by_place.setZero();
+    state.turn_by_place.setZero();
+    state.position_by_place(0, kPlaceX) = state.position_by_place(2, kPlaceZ) = 1;
+    state.position_by_place.col(kPlaceHeading) = by_yaw;
+    state.turn_by_place(1, kPlaceHeading) = 1;
+    if (moment.is_time) {
+      state.position_by_place.col(kPlaceTime) = yaw * (joint.position_by_pose * rate) * phase.by_time;
+      state.turn_by_place.col(kPlaceTime) = yaw * (joint.turn_by_pose * rate) * phase.by_time;
+    }
   }
-  return state;
+  return states;
 }
 
 StepKinematics::Way StepKinematics::WayOf(const Eigen::VectorXd& w, const KeyframePlace& place) const {

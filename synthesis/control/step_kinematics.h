@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <memory>
+#include <vector>
 
 #include "primitives/pose_layout.h"
 #include "synthesis/control/joint_chain.h"
@@ -59,6 +60,8 @@ class StepKinematics {
 
   FloorState Root(const StepMoment& moment, const Eigen::VectorXd& w, const KeyframePlace& place) const;
   PointState Joint(const JointChain& chain, const StepMoment& moment, const Eigen::VectorXd& w, const KeyframePlace& place) const;
+  /// Several joints at one moment, which costs little more than one.
+  std::vector<PointState> Joints(const std::vector<const JointChain*>& chains, const StepMoment& moment, const Eigen::VectorXd& w, const KeyframePlace& place) const;
   /// Where the next step begins.
   PlaceState Next(const Eigen::VectorXd& w, const KeyframePlace& place) const;
 

@@ -11,6 +11,7 @@
 #include <list>
 
 #include "synthesis/control/residuals/control_residuals.h"
+#include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/pose_goals.h"
 #include "synthesis/step_track.h"
@@ -36,6 +37,8 @@ constexpr bool kAllAxes[3] = {true, true, true};
 constexpr double kRadius = 0.02, kFarthest = 0.15;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
+constexpr double kFoundTime_s = 0.02;    // of the first key frame of steps that were found in readings
+constexpr double kSensor_m_s2 = 1.5;     // of a reading about what a step says: noise, mounting, what the model does not hold (METHODS section 5)
 constexpr double kFreeHeading_rad = 0.2; // deviation of a start whose heading was not asked for
 
 Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
@@ -89,7 +92,7 @@ class Optimizer {
     first_ = latents_[0];
     joins_.assign(steps_.size(), Eigen::Vector3d::Zero());
     result_.start = problem_.guide.start;
-    result_.start.heading_rad = places_[0][kPlaceHeading];
+    result_.start.heading_rad = FirstHeading();
   }
 
   SteeredWalk Run() {
@@ -117,6 +120,11 @@ class Optimizer {
  private:
   double rate() const { return problem_.frame_rate_hz; }
   bool stops() const { return problem_.guide.to != WalkBoundary::kWalking; }
+  // Whether the clip begins inside of its first step, not with it.
+  bool begins_inside() const { return !problem_.guide.given.empty(); }
+  double FirstHeading() const {
+    return begins_inside() ? kinematics_[0]->Root({true, 0}, latents_[0], places_[0]).value[2] : places_[0][kPlaceHeading];
+  }
   // The key frame that a clip ends at, or, where the walk stops, after; none where a time or a place on the path ends it.
   std::optional<size_t> LastKeyframe() const {
     if (stops()) return steps_.size();
@@ -215,7 +223,7 @@ class Optimizer {
   void AddPrior(ceres::Problem* problem) {
     problem->AddResidualBlock(new FirstStepResidual(first_, WithinWalkOf(graph_, steps_[0]).scale), nullptr, latents_[0].data());
     const double heading = problem_.guide.free_heading ? kFreeHeading_rad : 1e-4;
-    problem->AddResidualBlock(new StartResidual(places_[0], {1e-4, 1e-4, heading, 1e-4}), nullptr, places_[0].data());
+    problem->AddResidualBlock(new StartResidual(places_[0], {1e-4, 1e-4, heading, begins_inside() ? kFoundTime_s : 1e-4}), nullptr, places_[0].data());
     const double looseness = std::min(1.0, kShortWalk / static_cast<double>(steps_.size()));
     for (size_t k = 0; k < steps_.size(); ++k) {
       if (const double radius = graph_.primitive(steps_[k].primitive).latent_radius; radius > 0) {
@@ -261,6 +269,22 @@ class Optimizer {
         const double middle = (places_[k][kPlaceTime] + places_[k + 1][kPlaceTime]) / 2;
         Add(problem, new SpeedResidual(kinematics_[k], SpeedAt(control.speed->profile, middle), mean_part_ * control.speed->tolerance_m_s), k);
       }
+    }
+  }
+
+  // Readings, by the steps in whose time they lie.
+  void AddSensors(ceres::Problem* problem) {
+    if (!problem_.sensors) return;
+    const Eigen::MatrixXd& readings = problem_.sensors->readings;
+    const auto last = std::min<Eigen::Index>(readings.cols() - 2, static_cast<Eigen::Index>(EndTime() * kSensorRate_hz) - 1);
+    Eigen::Index from = 1;
+    for (size_t k = 0; k < steps_.size() && from <= last; ++k) {
+      Eigen::Index to = from;
+      while (to <= last && (static_cast<double>(to) / kSensorRate_hz < places_[k + 1][kPlaceTime] || k + 1 == steps_.size())) ++to;
+      if (to == from) continue;
+      Add(problem, new SensorResidual(kinematics_[k], problem_.chained_sensors, static_cast<double>(from) / kSensorRate_hz, kSensorRate_hz,
+                                      readings.middleCols(from, to - from), kSensor_m_s2), k);
+      from = to;
     }
   }
 
@@ -372,6 +396,7 @@ class Optimizer {
     AddPrior(&problem);
     AddPathAndGoal(&problem);
     AddConstraints(&problem);
+    AddSensors(&problem);
     RestrictLatents(&problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
@@ -413,6 +438,7 @@ class Optimizer {
       StepShape shape = graph_.primitive(step.primitive).Shape(step.latent);
       const double length = shape.duration_s * rate();
       if (k == 0 && problem_.guide.from != WalkBoundary::kWalking) time = MarginBefore(shape) * length;
+      if (k == 0 && begins_inside()) time = std::min(0.0, places_[0][kPlaceTime] * rate());
       result_.walk.steps.push_back({std::move(step), std::move(shape), time, time + length});
       time += length;
     }
@@ -422,7 +448,7 @@ class Optimizer {
       frames_ = std::max(2, static_cast<int>(std::floor(last.end + margin)) + 1);
     }
     result_.walk.frames = frames_;
-    if (problem_.guide.free_heading) result_.start.heading_rad = places_[0][kPlaceHeading];
+    if (problem_.guide.free_heading) result_.start.heading_rad = FirstHeading();
     result_.clip = MakeWalkClip(graph_, result_.walk.steps, frames_, rate(), result_.start);
     result_.keyframe_times_s.clear();
     for (const DrawnStep& step : result_.walk.steps) result_.keyframe_times_s.push_back(step.start / rate());
@@ -457,7 +483,11 @@ class Optimizer {
 
   // Puts the places where the clip has them, and keeps what the joins added.
   void TakeOverPlaces() {
-    for (size_t k = 0; k <= steps_.size(); ++k) {
+    if (begins_inside()) {
+      const Eigen::Vector3d root = MeasuredRoot(0);
+      places_[0] = PlaceBefore(*kinematics_[0], latents_[0], {root[0], root[1], root[2], 0}, result_.keyframe_times_s[0]);
+    }
+    for (size_t k = begins_inside() ? 1 : 0; k <= steps_.size(); ++k) {
       const double frame = result_.keyframe_times_s[k] * rate();
       if (k == 0 || frame <= frames_ - 1) {
         const int low = std::clamp(static_cast<int>(frame), 0, frames_ - 2);

@@ -57,9 +57,13 @@ class Search {
 
   WalkPlan Run() {
     std::vector<Walk> beam;
-    for (int i = 0; i < effort_ * kFirstDraws; ++i) Admit(First(), &beam);
-    Keep(&beam);
-    for (int depth = 1; !beam.empty() && depth < StepLimit(); ++depth) {
+    if (!guide_.given.empty()) {
+      Given(&beam);
+    } else {
+      for (int i = 0; i < effort_ * kFirstDraws; ++i) Admit(First(), &beam);
+      Keep(&beam);
+    }
+    for (int depth = static_cast<int>(guide_.given.size()) + 1; !beam.empty() && depth < StepLimit(); ++depth) {
       std::vector<Walk> next;
       for (const Walk& walk : beam) Expand(walk, &next);
       Keep(&next);
@@ -103,6 +107,39 @@ class Search {
     }
     SetDown(&node);
     return node;
+  }
+
+  // The steps that are given, one after the other, until the walk is over.
+  void Given(std::vector<Walk>* walks) {
+    const KeyframePlace start(guide_.start.position_m.x(), guide_.start.position_m.y(), guide_.start.heading_rad, 0);
+    KeyframePlace place = PlaceBefore(*kinematics_.Of(guide_.given[0]), guide_.given[0].whitened, start, guide_.given_from_s);
+    if (guide_.free_heading) {
+      KeyframePlace end = place;
+      double way = 0;
+      for (const WalkStep& step : guide_.given) {
+        const KeyframePlace next = kinematics_.Of(step)->WayOf(step.whitened, end).next;
+        way += (next - end).head<2>().norm();
+        end = next;
+      }
+      const Eigen::Vector2d moved = end.head<2>() - start.head<2>(), wanted = guide_.path->At(std::min(guide_.path->length_m(), way)) - start.head<2>();
+      KeyframePlace turned = start;
+      if (moved.norm() > 0.05 && wanted.norm() > 0.05) turned[kPlaceHeading] += SignedAngle(HeadingOfDirection(wanted), HeadingOfDirection(moved));
+      place = PlaceBefore(*kinematics_.Of(guide_.given[0]), guide_.given[0].whitened, turned, guide_.given_from_s);
+    }
+    Walk walk;
+    for (const WalkStep& step : guide_.given) {
+      Node node;
+      node.before = walk;
+      node.step = step;
+      node.place = walk ? walk->next : place;
+      node.along = walk ? walk->along : 0;
+      node.cost = walk ? walk->cost : 0;
+      node.steps = walk ? walk->steps + 1 : 1;
+      SetDown(&node);
+      if (const auto end_s = EndOf(node)) return End(std::move(node), *end_s);
+      walk = std::make_shared<const Node>(std::move(node));
+    }
+    walks->push_back(walk);
   }
 
   // Bends a drawn step towards what is asked: the most likely change of its latent, were its prior N(0, I) about what was drawn and the terms
@@ -297,6 +334,17 @@ class Search {
 
   WalkPlan Plan(Walk walk) {
     const double end_s = walk->end_s;
+    // What was given past the end serves as well as what could be drawn.
+    for (size_t k = static_cast<size_t>(walk->steps); k < guide_.given.size() && walk->next[kPlaceTime] < end_s + kSpare_s; ++k) {
+      Node node;
+      node.before = walk;
+      node.step = guide_.given[k];
+      node.place = walk->next;
+      node.along = walk->along;
+      node.steps = walk->steps + 1;
+      SetDown(&node);
+      walk = std::make_shared<const Node>(std::move(node));
+    }
     if (!stops()) {
       const auto goes_on = [&](int p) { return WalksOn(graph_, p); };
       while (walk->next[kPlaceTime] < end_s + kSpare_s) {
@@ -332,6 +380,16 @@ class Search {
 };
 
 }  // namespace
+
+KeyframePlace PlaceBefore(const StepKinematics& step, const Eigen::VectorXd& whitened, const KeyframePlace& root, double begins_s) {
+  KeyframePlace place(0, 0, 0, begins_s);
+  const Eigen::Vector3d there = step.Root({true, root[kPlaceTime]}, whitened, place).value;
+  place[kPlaceHeading] = root[kPlaceHeading] - there[2];
+  const double c = std::cos(place[kPlaceHeading]), s = std::sin(place[kPlaceHeading]);
+  place[kPlaceX] = root[kPlaceX] - (c * there[0] + s * there[1]);
+  place[kPlaceZ] = root[kPlaceZ] - (-s * there[0] + c * there[1]);
+  return place;
+}
 
 double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s) {
   size_t i = 0;

@@ -41,6 +41,9 @@ struct WalkGuide {
   std::vector<TimedPlace> places;
   std::vector<TimedHeading> headings;
   std::vector<FloorArea> keep_out;
+  // Steps that the walk begins with, and when the first of them begins; the search goes on from the last. A clip that begins inside of a step begins at `start`.
+  std::vector<WalkStep> given;
+  double given_from_s = 0;  // 0 or less
 };
 
 /// A legal walk over the graph, set down on the floor.
@@ -67,6 +70,9 @@ class KinematicsCache {
 /// @param effort  1 or more: how many times the usual number of walks are followed.
 /// @throws UnsatisfiableRequest where no walk begins, goes on or ends as asked.
 WalkPlan PlanWalk(const MotionGraph& graph, const WalkGuide& guide, int effort, KinematicsCache* kinematics, std::mt19937_64& rng);
+
+/// Where a step has begun that has its root at a place at that place's time.
+KeyframePlace PlaceBefore(const StepKinematics& step, const Eigen::VectorXd& whitened, const KeyframePlace& root, double begins_s);
 
 /// Speed of a profile at a time.
 double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s);

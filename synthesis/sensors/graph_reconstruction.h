@@ -1,12 +1,9 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <vector>
 
 #include "graph/motion_graph.h"
-#include "synthesis/sensors/captured_steps.h"
-#include "synthesis/sensors/step_fit.h"
-#include "synthesis/sensors/step_search.h"
+#include "synthesis/sensors/found_walk.h"
 #include "synthesis/synthesis_types.h"
 
 namespace morphograph {
@@ -17,13 +14,10 @@ struct GraphReconstruction {
   double residual_m_s2 = 0;     // root mean square of readings less the steps'
 };
 
-/// The graph method (METHODS section 5): readings are cut into steps (StepSearch), each step is the most likely one given its readings (FitStep), and the steps are
-/// joined, their feet locked, as those of any walk over the graph. The style is the one most of the nearest captured steps have; it says where feet stand. The
-/// likelihood of a step is that of its projection on the graph's primitive, after the one before it.
-/// @param readings  (3 * sensors x frames) at kSensorRate_hz, finite, of `steps`' sensors.
+/// The graph method (METHODS section 5): the steps that readings make likely (FindWalk) are joined, their feet locked, as those of any walk over the graph.
+/// @param readings  (3 * sensors x frames) at kSensorRate_hz, finite, of `sensors`.
 /// @throws std::invalid_argument where the readings are too short for a step, or not as many as the sensors; UnsatisfiableRequest where no style of
 ///   the graph walks.
-GraphReconstruction ReconstructWalk(const MotionGraph& graph, const CapturedSteps& steps, const StepSearch& search, const Eigen::MatrixXd& readings,
-                                    const StepFitOptions& options = {});
+GraphReconstruction ReconstructWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, const StepFitOptions& options = {});
 
 }  // namespace morphograph

@@ -29,12 +29,11 @@ class GraphReconstructor : public Reconstructor {
   GraphReconstructor(std::shared_ptr<const MotionGraph> graph, const MotionSource& source, std::vector<Placement> sensors, int jobs)
       : Reconstructor(ReconstructionMethod::kGraph, sensors),
         graph_(std::move(graph)),
-        steps_(source.clips, source.steps, graph_->layout(), std::move(sensors), true, jobs),
-        search_(steps_) {}
+        steps_(std::make_shared<const SensorSteps>(source.clips, source.steps, graph_->layout(), std::move(sensors), jobs)) {}
 
   Reconstruction Run(const Eigen::MatrixXd& readings) const override {
     const Clock::time_point start = Clock::now();
-    GraphReconstruction walk = ReconstructWalk(*graph_, steps_, search_, readings);
+    GraphReconstruction walk = ReconstructWalk(*graph_, *steps_, readings);
     Reconstruction reconstruction;
     reconstruction.latency_ms_mean = reconstruction.latency_ms_p95 = MillisecondsSince(start) / static_cast<double>(readings.cols());
     reconstruction.clip = std::move(walk.result.clip);
@@ -44,11 +43,11 @@ class GraphReconstructor : public Reconstructor {
   }
   std::unique_ptr<PoseEstimator> Start() const override { return nullptr; }
   const MotionBase* base() const override { return nullptr; }
+  std::shared_ptr<const SensorSteps> steps() const override { return steps_; }
 
  private:
   std::shared_ptr<const MotionGraph> graph_;
-  CapturedSteps steps_;
-  StepSearch search_;
+  std::shared_ptr<const SensorSteps> steps_;
 };
 
 SynthesisReport DescribeClip(const MotionGraph& graph, const MotionClip& clip) {

@@ -11,6 +11,7 @@
 #include "graph/motion_graph.h"
 #include "synthesis/sensors/pose_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
+#include "synthesis/sensors/sensor_steps.h"
 #include "synthesis/synthesis_types.h"
 
 namespace morphograph {
@@ -53,6 +54,8 @@ class Reconstructor {
   virtual std::unique_ptr<PoseEstimator> Start() const = 0;
   /// What poses of streams refer to. Null for kGraph.
   virtual const MotionBase* base() const = 0;
+  /// What clips are steered by readings with (SensorGuide). Of kGraph alone.
+  virtual std::shared_ptr<const SensorSteps> steps() const { return nullptr; }
 
  protected:
   Reconstructor(ReconstructionMethod method, std::vector<Placement> sensors) : method_(method), sensors_(std::move(sensors)) {}

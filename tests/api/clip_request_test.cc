@@ -136,7 +136,7 @@ TEST(ClipRequest, RefusesUnknownFieldsAtEveryLevel) {
 }
 
 TEST(ClipRequest, SaysThatALaterFieldDoesNotExistYet) {
-  for (const std::string field : {"sensors", "markers"}) {
+  for (const std::string field : {"markers", "input"}) {
     const Problem problem = ProblemOf(R"({"model":"walk",")" + field + R"(":{}})");
     EXPECT_EQ(problem.status, 400);
     ASSERT_EQ(problem.errors.size(), 1u);

@@ -37,7 +37,26 @@ constexpr const char* kEverything = R"({
     {"type": "pose", "keyframe": 2, "joints": {"right_wrist": [-0.3, 1, 0.2], "left_wrist": [0.3, 1, 0.2]}, "tolerance": 0.1}
   ]})";
 
-Problem ProblemOf(const json& request) {
+// Readings stand in a request's name and come back as they were, what was lost included.
+TEST(ControlRequest, ReadsReadings) {
+  const std::string text = R"({"model":"walk","seed":1,"sensors":{"rate":50,"placements":[{"joint":"left_wrist","offset":[0,0.02,0]},{"joint":"hips","name":"belt"}],
+      "readings":[[0.1,9.8,0.2,0,9.7,1],[0.1,null,0.2,0,9.7,1],[0.1,9.9,0.2,0,9.7,1]],"tolerance":2.5}})";
+  const ClipRequest request = ParseClipRequest(text);
+  ASSERT_TRUE(request.control.sensors);
+  const SensorTerm& term = *request.control.sensors;
+  EXPECT_EQ(term.readings.names, (std::vector<std::string>{"left_wrist", "belt"}));
+  EXPECT_NEAR(term.readings.times_s[2], 0.04, 1e-12);
+  EXPECT_EQ(term.readings.values.cols(), 3);
+  EXPECT_TRUE(std::isnan(term.readings.values(1, 1)));
+  EXPECT_EQ(term.tolerance_m_s2, 2.5);
+  const std::string canonical = CanonicalJson(request);
+  EXPECT_EQ(CanonicalJson(ParseClipRequest(canonical)), canonical);
+  ClipRequest other = request;
+  other.control.sensors->readings.values(0, 0) += 1e-9;
+  EXPECT_NE(ClipId("hash", request), ClipId("hash", other));
+}
+
+Problem ProblemWithTerms(const json& request) {
   try {
     ParseClipRequest(request.dump());
   } catch (const ProblemError& error) {
@@ -46,8 +65,8 @@ Problem ProblemOf(const json& request) {
   return {200, "accepted", {}, {}, {}};
 }
 
-std::string Verdict(const json& request) {
-  const Problem problem = ProblemOf(request);
+std::string VerdictOnTerms(const json& request) {
+  const Problem problem = ProblemWithTerms(request);
   std::string verdict = std::to_string(problem.status);
   for (const FieldError& error : problem.errors) verdict += " " + error.pointer;
   return verdict;
@@ -57,7 +76,7 @@ json Request(const std::string& fields) { return json::parse(R"({"model":"walk",
 
 // The verdict on a request with these constraints; with `fields` beside them.
 std::string OfConstraint(const std::string& constraints, const std::string& fields = R"("style":"slow")") {
-  return Verdict(Request(fields + R"(,"constraints":[)" + constraints + "]"));
+  return VerdictOnTerms(Request(fields + R"(,"constraints":[)" + constraints + "]"));
 }
 
 TEST(ControlRequest, ReadsEveryKindOfTerm) {
@@ -195,7 +214,7 @@ TEST(ControlRequest, PointsAtWhatIsMalformed) {
            {R"("speed":{"profile":[1,2]})", "400 /speed/profile/0 /speed/profile/1"},
            {R"("constraints":{})", "400 /constraints"},
            {R"("count":3)", "400 /count"}}) {
-    EXPECT_EQ(Verdict(Request(fields)), verdict) << fields;
+    EXPECT_EQ(VerdictOnTerms(Request(fields)), verdict) << fields;
   }
   const std::string wrist = R"({"type":"position","joint":"left_wrist",)";
   for (const auto& [constraint, verdict] : std::vector<std::pair<std::string, std::string>>{
@@ -244,7 +263,7 @@ TEST(ControlRequest, PointsAtWhatNoClipCouldMeet) {
            {R"("speed":13)", "422 /speed"},
            {R"("goal":{"position":[5,0],"time":601})", "422 /goal/time"},
            {R"("duration":5,"goal":{"position":[5,0],"time":6})", "422 /goal/time"}}) {
-    EXPECT_EQ(Verdict(Request(fields)), verdict) << fields;
+    EXPECT_EQ(VerdictOnTerms(Request(fields)), verdict) << fields;
   }
   const std::string clip = R"("duration":5)", steps = R"("steps":6)";
   for (const auto& [constraints, given, verdict] : std::vector<std::tuple<std::string, std::string, std::string>>{
@@ -267,7 +286,7 @@ TEST(ControlRequest, PointsAtWhatNoClipCouldMeet) {
     EXPECT_EQ(OfConstraint(constraints, given), verdict) << constraints;
   }
   // Their neighbours can be met, as far as the request can tell.
-  EXPECT_EQ(Verdict(Request(path + R"("start":{"position":[0,0.09]},"goal":{"position":[4.1,0]})")), "200");
+  EXPECT_EQ(VerdictOnTerms(Request(path + R"("start":{"position":[0,0.09]},"goal":{"position":[4.1,0]})")), "200");
   EXPECT_EQ(OfConstraint(R"({"type":"heading","time":5,"value":0})", clip), "200");
   EXPECT_EQ(OfConstraint(R"({"type":"heading","keyframe":6,"value":0})", steps), "200");
   EXPECT_EQ(OfConstraint(R"({"type":"heading","time":1,"value":179},{"type":"heading","time":1,"value":-179})", clip), "200");
@@ -275,11 +294,11 @@ TEST(ControlRequest, PointsAtWhatNoClipCouldMeet) {
 }
 
 TEST(ControlRequest, SaysWhatWouldDo) {
-  const Problem apart = ProblemOf(Request(R"("path":{"points":[[0,0],[4,0]]},"goal":{"position":[5,0]})"));
+  const Problem apart = ProblemWithTerms(Request(R"("path":{"points":[[0,0],[4,0]]},"goal":{"position":[5,0]})"));
   EXPECT_THAT(apart.errors.at(0).detail, HasSubstr("the path ends at [4.0,0.0], 1.0 m away"));
-  const Problem late = ProblemOf(Request(R"("duration":5,"constraints":[{"type":"heading","time":9,"value":0}])"));
+  const Problem late = ProblemWithTerms(Request(R"("duration":5,"constraints":[{"type":"heading","time":9,"value":0}])"));
   EXPECT_THAT(late.errors.at(0).detail, HasSubstr("at most"));
-  const Problem inside = ProblemOf(Request(R"("goal":{"position":[4,0]},"constraints":[{"type":"keep_out","circle":{"center":[4,0.2],"radius":0.5}}])"));
+  const Problem inside = ProblemWithTerms(Request(R"("goal":{"position":[4,0]},"constraints":[{"type":"keep_out","circle":{"center":[4,0.2],"radius":0.5}}])"));
   EXPECT_THAT(inside.errors.at(0).detail, HasSubstr("0.3 m inside of /constraints/0"));
 }
 
@@ -287,18 +306,18 @@ TEST(ControlRequest, BoundsHowMuchIsAsked) {
   json path = Request(R"("path":{"points":[]})");
   for (int i = 0; i < 1000; ++i) path["path"]["points"].push_back({i, 0});
   path["output"]["frame_rate"] = 10;
-  EXPECT_EQ(Verdict(path), "200");
+  EXPECT_EQ(VerdictOnTerms(path), "200");
   path["path"]["points"].push_back({1001, 0});
-  EXPECT_EQ(Verdict(path), "422 /path/points");
+  EXPECT_EQ(VerdictOnTerms(path), "422 /path/points");
   json many = Request(R"("constraints":[])");
   for (int i = 0; i < 200; ++i) many["constraints"].push_back({{"type", "heading"}, {"time", i}, {"value", 0}});
-  EXPECT_EQ(Verdict(many), "200");
+  EXPECT_EQ(VerdictOnTerms(many), "200");
   many["constraints"].push_back({{"type", "heading"}, {"time", 300}, {"value", 0}});
-  EXPECT_EQ(Verdict(many), "422 /constraints");
+  EXPECT_EQ(VerdictOnTerms(many), "422 /constraints");
   // Whatever is wrong with however many, the answer stays short.
   for (json& constraint : many["constraints"]) constraint["colour"] = std::string(500, 'x');
   many["constraints"].erase(200);
-  EXPECT_EQ(ProblemOf(many).errors.size(), 20u);
+  EXPECT_EQ(ProblemWithTerms(many).errors.size(), 20u);
 }
 
 TEST(ControlRequest, VariantsAreAClipRequestAndACount) {

@@ -102,6 +102,38 @@ TEST_F(ReconstructionRoutesTest, NamesWhatWasLost) {
   EXPECT_FALSE(about.at("notes").empty());
 }
 
+// The same readings in a clip request: the clip is steered by them, and can be had again.
+TEST_F(ReconstructionRoutesTest, ReadingsSteerClips) {
+  json request = Request("graph");
+  request.erase("method");
+  request["seed"] = 5;
+  const auto ask = [&](const std::string& method, const std::string& path, const std::string& body) {
+    return testing::Ask(app_->port, method, path, "Content-Type: application/json\r\nAccept: application/json\r\n", body);
+  };
+  const RawResponse response = ask("POST", "/v1/clips", request.dump());
+  ASSERT_EQ(response.status, 200) << response.body;
+  const json answer = json::parse(response.body);
+  EXPECT_LT(CompareClips(ImportClip(ParseBvh(answer.at("bvh").get<std::string>(), "answer")), Walk()).position_rms_cm, 8);
+  const json& report = answer.at("report");
+  EXPECT_EQ(report.at("constraints").at(0).at("pointer"), "/sensors");
+  EXPECT_EQ(report.at("constraints").at(0).at("unit"), "m/s2");
+  EXPECT_FALSE(report.at("constraints").at(0).contains("tolerance"));
+  EXPECT_EQ(report.at("sensors").at("sensors").size(), 4u);
+  EXPECT_EQ(ask("GET", response.headers.at("location"), "").body, response.body);
+
+  request["sensors"]["tolerance"] = 0.01;
+  const RawResponse unmet = ask("POST", "/v1/clips", request.dump());
+  EXPECT_EQ(unmet.status, 422);
+  EXPECT_EQ(json::parse(unmet.body).at("errors").at(0).at("pointer"), "/sensors");
+  request["sensors"]["tolerance"] = 0;
+  EXPECT_EQ(ask("POST", "/v1/clips", request.dump()).status, 400);
+  request["sensors"].erase("tolerance");
+  request["count"] = 2;
+  const RawResponse variants = testing::Ask(app_->port, "POST", "/v1/variants", "Content-Type: application/json\r\n", request.dump());
+  EXPECT_EQ(variants.status, 200);
+  EXPECT_THAT(variants.body, HasSubstr("\"made\":2"));
+}
+
 TEST_F(ReconstructionRoutesTest, RefusesWhatItCannotReadOrMeet) {
   ExpectProblem(Post(json::array()), 400, "");
   ExpectProblem(Post({{"model", "walk"}}), 400, "/sensors");

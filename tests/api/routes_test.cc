@@ -172,7 +172,7 @@ TEST_F(RoutesTest, BadRequestsSayWhatIsWrong) {
                                           {R"({"model":"walk","seed":18446744073709551616})", "/seed"},
                                           {R"({"model":"walk","duration":"long"})", "/duration"},
                                           {R"({"model":"walk","colour":"red"})", "/colour"},
-                                          {R"({"model":"walk","sensors":{"rate":60}})", "/sensors"}}) {
+                                          {R"({"model":"walk","sensors":{"rate":60}})", "/sensors/placements"}}) {
     const RawResponse response = Post(body);
     ExpectProblem(response, 400);
     EXPECT_EQ(Pointer(response), pointer);

@@ -26,14 +26,14 @@ using ::testing::HasSubstr;
 
 const std::string kMultipart = "Content-Type: multipart/form-data; boundary=cut\r\n";
 
-std::string Part(const std::string& disposition, const std::string& content) {
+std::string FormPart(const std::string& disposition, const std::string& content) {
   return "--cut\r\nContent-Disposition: form-data; " + disposition + "\r\n\r\n" + content + "\r\n";
 }
 
 std::string Upload(const std::string& name, int copies = 1) {
-  std::string body = Part("name=\"settings\"", R"({"name":")" + name + R"("})");
+  std::string body = FormPart("name=\"settings\"", R"({"name":")" + name + R"("})");
   for (const auto& [file, text] : testing::SmallWalkFiles())
-    for (int i = 0; i < copies; ++i) body += Part("name=\"clips\"; filename=\"" + file + "\"", text);
+    for (int i = 0; i < copies; ++i) body += FormPart("name=\"clips\"; filename=\"" + file + "\"", text);
   return body + "--cut--\r\n";
 }
 
@@ -120,7 +120,7 @@ TEST(TrainingService, CancelsRunningAndWaitingJobs) {
 TEST(TrainingService, SaysWhyAJobFailed) {
   const testing::TemporaryFolder folder;
   TrainingServer server(folder.path());
-  const std::string body = Part("name=\"clips\"; filename=\"../../broken.bvh\"", "HIERARCHY\nROOT x\n{\n OFFSET a\n") + "--cut--\r\n";
+  const std::string body = FormPart("name=\"clips\"; filename=\"../../broken.bvh\"", "HIERARCHY\nROOT x\n{\n OFFSET a\n") + "--cut--\r\n";
   const json job = server.WaitFor(server.Submit(body).headers.at("location"));
   EXPECT_EQ(job["state"], "failed");
   EXPECT_THAT(job["detail"].get<std::string>(), ::testing::StartsWith("broken.bvh:4:"));
@@ -133,11 +133,11 @@ TEST(TrainingService, RefusesUploadsThatCannotBeTrained) {
   EXPECT_EQ(server.Submit("{}", "Content-Type: application/json\r\n").status, 415);
   EXPECT_EQ(server.Submit("", kMultipart).status, 400);
   EXPECT_EQ(server.Submit("--cut--\r\n").status, 400);
-  EXPECT_EQ(server.Submit(Part("name=x", "1") + "--cut--").status, 400);
-  const std::string clip = Part("name=c; filename=a.bvh", "x");
-  EXPECT_EQ(server.Submit(clip + Part("name=settings", "{\"name\":\"../evil\"}") + "--cut--").status, 400);
-  EXPECT_EQ(server.Submit(clip + Part("name=settings", "{\"nom\":\"x\"}") + "--cut--").status, 400);
-  EXPECT_EQ(server.Submit(clip + Part("name=settings", "{\"name\":7}") + "--cut--").status, 400);
+  EXPECT_EQ(server.Submit(FormPart("name=x", "1") + "--cut--").status, 400);
+  const std::string clip = FormPart("name=c; filename=a.bvh", "x");
+  EXPECT_EQ(server.Submit(clip + FormPart("name=settings", "{\"name\":\"../evil\"}") + "--cut--").status, 400);
+  EXPECT_EQ(server.Submit(clip + FormPart("name=settings", "{\"nom\":\"x\"}") + "--cut--").status, 400);
+  EXPECT_EQ(server.Submit(clip + FormPart("name=settings", "{\"name\":7}") + "--cut--").status, 400);
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "uploads"));
 }
 
@@ -157,14 +157,14 @@ TEST(TrainingService, LabelledKeyframesComeWithTheUploadAndFromNowhereElse) {
   std::string clips;
   json labels;
   for (const auto& [name, clip] : testing::SmallWalks()) {
-    clips += Part("name=clips; filename=\"" + name + ".bvh\"", WriteBvh(ExportClip(clip)));
+    clips += FormPart("name=clips; filename=\"" + name + ".bvh\"", WriteBvh(ExportClip(clip)));
     if (name != "walk_brisk_000" && name != "walk_slow_000") continue;
     for (const Keyframe& keyframe : DetectKeyframes(clip))
       labels[name].push_back({{"frame", std::lround(keyframe.frame)}, {"label", KeyframeLabelName(keyframe.label)}});
   }
   const auto upload = [&](const std::string& manifest, const std::string& keyframes) {
-    return server.Submit(clips + Part("name=name", "mine") + (manifest.empty() ? "" : Part("name=manifest", manifest)) +
-                         (keyframes.empty() ? "" : Part("name=keyframes", keyframes)) + "--cut--\r\n");
+    return server.Submit(clips + FormPart("name=name", "mine") + (manifest.empty() ? "" : FormPart("name=manifest", manifest)) +
+                         (keyframes.empty() ? "" : FormPart("name=keyframes", keyframes)) + "--cut--\r\n");
   };
   // Neither a path nor a name can make the server read a file of its own.
   folder.Write("labels.json", labels.dump());
@@ -191,14 +191,14 @@ TEST(TrainingService, LabelledKeyframesComeWithTheUploadAndFromNowhereElse) {
 TEST(TrainingService, WhatCannotBeTrainedIsRefusedBeforeItIsQueued) {
   const testing::TemporaryFolder folder;
   TrainingServer server(folder.path());
-  const std::string clip = Part("name=c; filename=a.bvh", "x");
-  const RawResponse action = server.Submit(clip + Part("name=action", "dance") + "--cut--");
+  const std::string clip = FormPart("name=c; filename=a.bvh", "x");
+  const RawResponse action = server.Submit(clip + FormPart("name=action", "dance") + "--cut--");
   EXPECT_EQ(action.status, 400);
   EXPECT_EQ(json::parse(action.body)["errors"][0]["pointer"], "/action");
-  const RawResponse manifest = server.Submit(clip + Part("name=manifest", R"({"nope": 1})") + "--cut--");
+  const RawResponse manifest = server.Submit(clip + FormPart("name=manifest", R"({"nope": 1})") + "--cut--");
   EXPECT_EQ(manifest.status, 400);
   EXPECT_THAT(manifest.body, HasSubstr("manifest: /nope: unknown field"));
-  EXPECT_THAT(server.Submit(clip + Part("name=manifest", R"({"metres_per_unit": 1e999})") + "--cut--").body, HasSubstr("range of a double"));
+  EXPECT_THAT(server.Submit(clip + FormPart("name=manifest", R"({"metres_per_unit": 1e999})") + "--cut--").body, HasSubstr("range of a double"));
   EXPECT_TRUE(std::filesystem::is_empty(folder.path() / "uploads"));
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdlib>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -9,6 +11,7 @@
 #include "datasets/clip_conversion.h"
 #include "datasets/synthetic_gait.h"
 #include "graph/graph_builder.h"
+#include "graph/model_io.h"
 
 namespace morphograph::testing {
 
@@ -41,27 +44,40 @@ inline std::vector<std::pair<std::string, std::string>> SmallWalkFiles() {
   return files;
 }
 
-/// A model learned from SmallWalks(), once a process.
+inline constexpr const char* kSmallModelFile = "small.mgm";
+inline constexpr const char* kSmallModelWithRecordingsFile = "small_with_recordings.mgm";
+
+inline std::shared_ptr<const MotionGraph> LearnSmallModel() {
+  std::vector<TrainingClip> clips;
+  for (auto& [name, clip] : SmallWalks()) clips.push_back({std::move(clip), true});
+  TrainingOptions options;
+  options.name = "walk";
+  return BuildGraph(clips, options);
+}
+
+inline std::shared_ptr<const MotionGraph> LearnSmallModelWithRecordings() {
+  std::vector<TrainingClip> clips;
+  for (auto& [name, clip] : SmallWalks()) clips.push_back({std::move(clip), false});
+  TrainingOptions options;
+  options.keep_recordings = true;
+  return BuildGraph(clips, options);
+}
+
+/// The model of that file where ctest has had it made for this run (small_model_maker), else learned now.
+inline std::shared_ptr<const MotionGraph> MadeOrLearned(const char* file, std::shared_ptr<const MotionGraph> (*learn)()) {
+  const char* folder = std::getenv("MORPHOGRAPH_SMALL_MODELS");
+  return folder ? LoadModel(std::filesystem::path(folder) / file) : learn();
+}
+
+/// A model learned from SmallWalks(), once a process at most.
 inline std::shared_ptr<const MotionGraph> SmallModel() {
-  static const std::shared_ptr<const MotionGraph> model = [] {
-    std::vector<TrainingClip> clips;
-    for (auto& [name, clip] : SmallWalks()) clips.push_back({std::move(clip), true});
-    TrainingOptions options;
-    options.name = "walk";
-    return BuildGraph(clips, options);
-  }();
+  static const std::shared_ptr<const MotionGraph> model = MadeOrLearned(kSmallModelFile, LearnSmallModel);
   return model;
 }
 
 /// The same with its recordings kept, which count as captured.
 inline std::shared_ptr<const MotionGraph> SmallModelWithRecordings() {
-  static const std::shared_ptr<const MotionGraph> model = [] {
-    std::vector<TrainingClip> clips;
-    for (auto& [name, clip] : SmallWalks()) clips.push_back({std::move(clip), false});
-    TrainingOptions options;
-    options.keep_recordings = true;
-    return BuildGraph(clips, options);
-  }();
+  static const std::shared_ptr<const MotionGraph> model = MadeOrLearned(kSmallModelWithRecordingsFile, LearnSmallModelWithRecordings);
   return model;
 }
 

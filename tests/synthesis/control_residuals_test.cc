@@ -8,6 +8,9 @@
 #include <limits>
 #include <random>
 
+#include "datasets/virtual_sensors.h"
+#include "synthesis/control/residuals/sensor_residual.h"
+#include "synthesis/walk_clip.h"
 #include "synthesis/walk_sampler.h"
 #include "tests/support/small_model.h"
 
@@ -131,6 +134,39 @@ TEST_F(ControlResidual, KeepOut) {
   double residual = -1;
   ASSERT_TRUE(outside.Evaluate(parameters, &residual, nullptr));
   EXPECT_EQ(residual, 0);
+}
+
+// Readings against sensors that sit beside their joints and lie askew, over samples that reach into both margins.
+TEST_F(ControlResidual, Sensor) {
+  const Eigen::Quaterniond askew(Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, -1).normalized()));
+  const std::vector<ChainedSensor> sensors = {{{"wrist", "left_wrist", {0.02, -0.03, 0.05}, askew}, Chain(JointRole::kLeftWrist)},
+                                              {{"ankle", "right_ankle"}, Chain(JointRole::kRightAnkle)}};
+  std::mt19937_64 rng(8);
+  std::normal_distribution<double> normal(0, 5);
+  Eigen::MatrixXd readings(6, 4);
+  for (double& value : readings.reshaped()) value = normal(rng);
+  Check(SensorResidual(steps_[0], sensors, 0.5, 30, readings, 1.5), {w(0), Eigen::Vector4d(1, 2, 0.4, 0.47)});
+}
+
+// What a step is said to read is what sensors read on a clip of it, away from its joins.
+TEST_F(ControlResidual, SensorReadsAsOnAClip) {
+  const std::vector<Placement> places = {{"wrist", "left_wrist", {0.02, -0.03, 0.05}, Eigen::Quaterniond(Eigen::AngleAxisd(0.7, Eigen::Vector3d::UnitX()))},
+                                         {"knee", "right_knee"}};
+  const std::vector<ChainedSensor> sensors = {{places[0], Chain(JointRole::kLeftWrist)}, {places[1], Chain(JointRole::kRightKnee)}};
+  SynthesisVariant unlocked;
+  unlocked.foot_lock = false;
+  const MotionClip clip = MakeWalkClip(*graph_, walk_.steps, walk_.frames, 30, {}, unlocked);
+  const Readings read = VirtualAccelerations(clip, places, 30);
+  const int first = 4, samples = 4;
+  ASSERT_GT(walk_.steps[0].end, first + samples + 4);
+  const SensorResidual residual(steps_[0], sensors, first / 30.0, 30, read.values.middleCols(first, samples), 1);
+  const Eigen::VectorXd latent = w(0);
+  const Eigen::Vector4d place(0, 0, 0, walk_.steps[0].start / 30);
+  const double* parameters[] = {latent.data(), place.data()};
+  Eigen::VectorXd values(residual.num_residuals());
+  ASSERT_TRUE(residual.Evaluate(parameters, values.data(), nullptr));
+  EXPECT_LT(values.cwiseAbs().maxCoeff(), 0.1);
+  EXPECT_GT(read.values.middleCols(first, samples).cwiseAbs().maxCoeff(), 5);  // where there is something to read
 }
 
 }  // namespace

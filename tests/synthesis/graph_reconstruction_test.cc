@@ -19,12 +19,10 @@ class GraphReconstructionTest : public ::testing::Test {
   static void SetUpTestSuite() {
     graph_ = testing::SmallModelWithRecordings();
     const MotionSource source = SourceOf(*graph_);
-    steps_ = new CapturedSteps(source.clips, source.steps, graph_->layout(), FourSensors());
-    search_ = new StepSearch(*steps_);
+    sensors_ = new SensorSteps(source.clips, source.steps, graph_->layout(), FourSensors());
   }
   static void TearDownTestSuite() {
-    delete search_;
-    delete steps_;
+    delete sensors_;
     graph_.reset();
   }
 
@@ -43,18 +41,16 @@ class GraphReconstructionTest : public ::testing::Test {
   }
 
   static std::shared_ptr<const MotionGraph> graph_;
-  static CapturedSteps* steps_;
-  static StepSearch* search_;
+  static SensorSteps* sensors_;
 };
 std::shared_ptr<const MotionGraph> GraphReconstructionTest::graph_;
-CapturedSteps* GraphReconstructionTest::steps_ = nullptr;
-StepSearch* GraphReconstructionTest::search_ = nullptr;
+SensorSteps* GraphReconstructionTest::sensors_ = nullptr;
 
 TEST_F(GraphReconstructionTest, CutsReadingsWhereFeetStrike) {
   SyntheticGaitTruth truth;
   const MotionClip walk = UnseenWalk(&truth);
   const Eigen::MatrixXd readings = VirtualAccelerations(walk, FourSensors(), kSensorRate_hz).values;
-  const std::vector<FoundStep> found = search_->Find(readings);
+  const std::vector<FoundStep> found = sensors_->search().Find(readings);
   ASSERT_FALSE(found.empty());
   EXPECT_LE(found.front().start_frame, 0);
   EXPECT_GE(found.back().end_frame, static_cast<double>(readings.cols() - 1));
@@ -80,7 +76,7 @@ TEST_F(GraphReconstructionTest, ComesNearTheTruthWithFeetPlanted) {
   SyntheticGaitTruth truth;
   const MotionClip walk = UnseenWalk(&truth);
   const Eigen::MatrixXd readings = VirtualAccelerations(walk, FourSensors(), kSensorRate_hz).values;
-  const GraphReconstruction made = ReconstructWalk(*graph_, *steps_, *search_, readings);
+  const GraphReconstruction made = ReconstructWalk(*graph_, *sensors_, readings);
   ASSERT_EQ(made.result.clip.frame_count(), readings.cols());
   const ReconstructionQuality quality = CompareClips(made.result.clip, walk);
   EXPECT_LT(quality.position_rms_cm, 4);
@@ -101,29 +97,29 @@ TEST_F(GraphReconstructionTest, BearsNoiseAndAskewSensors) {
   SyntheticGaitTruth truth;
   const MotionClip walk = UnseenWalk(&truth);
   const Readings readings = WithFaults(VirtualAccelerations(walk, FourSensors(), kSensorRate_hz), {.noise = 1.2, .mounting_rad = 0.17}, 3);
-  EXPECT_LT(CompareClips(ReconstructWalk(*graph_, *steps_, *search_, readings.values).result.clip, walk).position_rms_cm, 5.5);
+  EXPECT_LT(CompareClips(ReconstructWalk(*graph_, *sensors_, readings.values).result.clip, walk).position_rms_cm, 5.5);
 }
 
 TEST_F(GraphReconstructionTest, GivesTheSameTwice) {
   SyntheticGaitTruth truth;
   const Eigen::MatrixXd readings = VirtualAccelerations(UnseenWalk(&truth), FourSensors(), kSensorRate_hz).values;
-  const MotionClip a = ReconstructWalk(*graph_, *steps_, *search_, readings).result.clip;
+  const MotionClip a = ReconstructWalk(*graph_, *sensors_, readings).result.clip;
   const MotionSource source = SourceOf(*graph_, 2);
-  const CapturedSteps steps(source.clips, source.steps, graph_->layout(), FourSensors(), true, 2);
-  const MotionClip b = ReconstructWalk(*graph_, steps, StepSearch(steps), readings).result.clip;
+  const SensorSteps sensors(source.clips, source.steps, graph_->layout(), FourSensors(), 2);
+  const MotionClip b = ReconstructWalk(*graph_, sensors, readings).result.clip;
   EXPECT_EQ(a.root_positions(), b.root_positions());
   for (int j = 0; j < a.joint_count(); ++j) EXPECT_EQ(a.rotation(20, j).coeffs(), b.rotation(20, j).coeffs());
 }
 
 TEST_F(GraphReconstructionTest, RefusesWhatIsTooShortOrOfOtherSensors) {
-  EXPECT_THROW(ReconstructWalk(*graph_, *steps_, *search_, Eigen::MatrixXd::Zero(12, 3)), std::invalid_argument);
-  EXPECT_THROW(ReconstructWalk(*graph_, *steps_, *search_, Eigen::MatrixXd::Zero(9, 60)), std::invalid_argument);
+  EXPECT_THROW(ReconstructWalk(*graph_, *sensors_, Eigen::MatrixXd::Zero(12, 3)), std::invalid_argument);
+  EXPECT_THROW(ReconstructWalk(*graph_, *sensors_, Eigen::MatrixXd::Zero(9, 60)), std::invalid_argument);
 }
 
 TEST_F(GraphReconstructionTest, MakesSomethingOfReadingsThatAreNoWalk) {
   Eigen::MatrixXd readings = Eigen::MatrixXd::Zero(12, 90);
   for (int s = 0; s < 4; ++s) readings.row(3 * s + 1).setConstant(9.81);
-  const GraphReconstruction made = ReconstructWalk(*graph_, *steps_, *search_, readings);
+  const GraphReconstruction made = ReconstructWalk(*graph_, *sensors_, readings);
   EXPECT_EQ(made.result.clip.frame_count(), 90);
   EXPECT_TRUE(made.result.clip.root_positions().allFinite());
   EXPECT_GT(made.residual_m_s2, 1);  // and says that it does not fit
@@ -131,7 +127,7 @@ TEST_F(GraphReconstructionTest, MakesSomethingOfReadingsThatAreNoWalk) {
 
 // A step between two captured ones, read without noise, comes out between them.
 TEST_F(GraphReconstructionTest, FitsAStepToItsReadings) {
-  const StepBank& bank = steps_->landing(true);
+  const StepBank& bank = sensors_->steps().landing(true);
   const int frames = static_cast<int>(std::lround(std::exp(static_cast<double>(bank.log_durations[0])) * kSensorRate_hz));
   // A stream whose samples are those of a captured step, at its phases.
   Eigen::MatrixXd readings(12, 2 * frames);
@@ -141,7 +137,7 @@ TEST_F(GraphReconstructionTest, FitsAStepToItsReadings) {
     const int low = std::min(static_cast<int>(at), kPhaseSamples - 2);
     readings.col(f) = (1 - (at - low)) * samples.col(low) + (at - low) * samples.col(low + 1);
   }
-  const FittedStep fitted = FitStep(*steps_, readings, {frames / 2.0 - 0.5 * (frames % 2), frames / 2.0 - 0.5 * (frames % 2) + frames, true}, {.neighbours = 40, .sigma_m_s2 = 0.2});
+  const FittedStep fitted = FitStep(sensors_->steps(), readings, {frames / 2.0 - 0.5 * (frames % 2), frames / 2.0 - 0.5 * (frames % 2) + frames, true}, {.neighbours = 40, .sigma_m_s2 = 0.2});
   const Eigen::MatrixXd wanted = bank.poses.col(0).cast<double>().reshaped(fitted.poses.rows(), kPhaseSamples);
   EXPECT_LT((fitted.poses - wanted).bottomRows(fitted.poses.rows() - 6).cwiseAbs().maxCoeff(), 0.15);
   EXPECT_NEAR(fitted.styles.sum(), 1, 1e-9);

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "graph/motion_graph.h"
+#include "synthesis/sensors/sensor_steps.h"
+#include "synthesis/sensors/step_fit.h"
+#include "synthesis/walk_sampler.h"
+
+namespace morphograph {
+
+/// Steps that readings of sensors make likely, put on the graph: each with the primitive it is of, its projection on that primitive's latents, and its likelihood
+/// after the step before it. Times in frames at kSensorRate_hz, the readings' first at 0; the first step may begin before it.
+struct FoundWalk {
+  int style = 0;  // of the graph's styles
+  std::vector<DrawnStep> steps;
+  double residual_m_s2 = 0;  // root mean square of readings less the steps'
+};
+
+/// Cuts readings into steps (StepSearch) and makes each the most likely one given its readings (FitStep).
+/// @param readings  (3 * sensors x frames) at kSensorRate_hz, finite, of `sensors`.
+/// @param style  of the walk; where it is not given, the one that most of the nearest captured steps have, of the graph's own action.
+/// @return no steps where the readings are shorter than one.
+/// @throws std::invalid_argument for readings of other sensors; UnsatisfiableRequest where no such style walks.
+FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, std::optional<int> style = {},
+                   const StepFitOptions& options = {});
+
+}  // namespace morphograph
