@@ -6,6 +6,7 @@
 #include "api/clip_response.h"
 #include "api/content_negotiation.h"
 #include "api/glb_writer.h"
+#include "api/internal/limited_places.h"
 #include "api/problem.h"
 #include "api/reconstruction_report.h"
 #include "api/reconstruction_request.h"
@@ -30,6 +31,8 @@ ReconstructedReadings Reconstruct(Service* service, const ServedModel& model, co
 }
 
 constexpr const char* kStreamType = "application/x-ndjson";
+// Streams are worked off line by line while their answer goes out, beside the workers of other requests.
+internal::LimitedPlaces stream_places(4, "other streams are being reconstructed; try again");
 
 std::string_view TakeLine(std::string_view* text) {
   const std::size_t end = std::min(text->find('\n'), text->size());
@@ -42,6 +45,7 @@ std::string_view TakeLine(std::string_view* text) {
 HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) {
   if (ChooseMediaType(request.Header("Accept"), {kStreamType, "application/jsonl"}) < 0) throw ProblemError(406, "streams are answered as application/x-ndjson");
   struct Answer {
+    internal::LimitedPlaces::Place place{&stream_places};
     std::string body;
     std::string_view rest;
     std::unique_ptr<ReconstructionStream> stream;

@@ -1,9 +1,9 @@
 // POST /v1/variants
-#include <atomic>
 #include <memory>
 
 #include "api/clip_response.h"
 #include "api/content_negotiation.h"
+#include "api/internal/limited_places.h"
 #include "api/problem.h"
 #include "api/routes.h"
 #include "api/routes/request_parts.h"
@@ -13,22 +13,8 @@ namespace morphograph {
 namespace {
 
 constexpr const char* kNdjson = "application/x-ndjson";
-// Sets of clips that may be held at a time, each up to VariantOptions::max_joint_frames.
-constexpr int kMaxSets = 2;
-std::atomic<int> sets_held{0};
-
-// A place among the sets; kept until the answer is out.
-class SetPlace {
- public:
-  SetPlace() {
-    if (++sets_held <= kMaxSets) return;
-    --sets_held;
-    throw ProblemError(Problem{503, "other variants are being made; try again", {}, 5, {}});
-  }
-  ~SetPlace() { --sets_held; }
-  SetPlace(const SetPlace&) = delete;
-  SetPlace& operator=(const SetPlace&) = delete;
-};
+// Sets of clips, each up to VariantOptions::max_joint_frames.
+internal::LimitedPlaces set_places(2, "other variants are being made; try again");
 
 [[noreturn]] void RefuseStopped(LongWork::Stop reason) {
   if (reason == LongWork::Stop::kLate)
@@ -45,7 +31,7 @@ HttpResponse CreateVariants(Service* service, const HttpRequest& request) {
   if (!clip.seed) clip.seed = DrawSeed();
 
   struct Answer {
-    SetPlace place;
+    internal::LimitedPlaces::Place place{&set_places};
     VariantSet set;
     std::size_t at = 0;
   };

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
+#include "api/problem.h"
 #include "datasets/bvh_reader.h"
 #include "datasets/clip_conversion.h"
 #include "datasets/virtual_sensors.h"
@@ -100,6 +101,26 @@ TEST_F(ReconstructionRoutesTest, NamesWhatWasLost) {
   EXPECT_NEAR(about.at("longest_gap").get<double>(), 0.5, 0.05);
   EXPECT_GT(about.at("lost").get<double>(), 0.05);
   EXPECT_FALSE(about.at("notes").empty());
+}
+
+// Streams are worked off while their answer goes out; only so many at a time.
+TEST_F(ReconstructionRoutesTest, FourStreamsAtATime) {
+  HttpRequest request;
+  request.method = "POST";
+  request.path = "/v1/reconstructions";
+  request.headers = {{"Content-Type", "application/x-ndjson"}, {"Accept", "application/x-ndjson"}};
+  request.body = json({{"model", "walk"}, {"method", "olng"}, {"placements", Request("olng")["sensors"]["placements"]}}).dump() + "\n";
+  const Route& route = *app_->router->Find("POST", request.path).route;
+  std::vector<HttpResponse> held;
+  for (int i = 0; i < 4; ++i) held.push_back(route.handler(request));
+  try {
+    route.handler(request);
+    ADD_FAILURE() << "a fifth stream was let in";
+  } catch (const ProblemError& full) {
+    EXPECT_EQ(full.problem().status, 503);
+  }
+  held.pop_back();
+  EXPECT_EQ(route.handler(request).status, 200);
 }
 
 // The same readings in a clip request: the clip is steered by them, and can be had again.
