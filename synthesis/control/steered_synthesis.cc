@@ -118,7 +118,7 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
       too_short = std::move(past);  // another walk may take longer
       continue;
     }
-    SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics);
+    SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics, problem.sensors ? DrawPosterior(*problem.sensors, rng) : PosteriorDraw());
     if (walk.all_met()) return walk;
     problem.guide.places = asked;
     for (const TimedPlace& place : FootstepPlaces(problem, walk)) problem.guide.places.push_back(place);

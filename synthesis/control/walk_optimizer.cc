@@ -6,6 +6,7 @@
 #include <ceres/solver.h>
 
 #include <algorithm>
+#include <boost/random/normal_distribution.hpp>
 #include <cmath>
 #include <limits>
 #include <list>
@@ -79,7 +80,7 @@ class Subspace : public ceres::Manifold {
 
 class Optimizer {
  public:
-  Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics)
+  Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, const PosteriorDraw& draw)
       : problem_(problem), graph_(problem.graph), steps_(plan.steps), along_m_(plan.along_m), frames_(plan.frames), places_(plan.places) {
     for (size_t k = 0; k < steps_.size(); ++k) {
       kinematics_.push_back(kinematics->Of(steps_[k]));
@@ -90,6 +91,15 @@ class Optimizer {
       covariances_.push_back(innovations_.back().Covariance());
     }
     first_ = latents_[0];
+    if (!draw.innovations.empty()) {
+      const WithinWalk within = WithinWalkOf(graph_, steps_[0]);
+      first_ = within.manner + within.scale.cwiseProduct(draw.innovations[0]);
+    }
+    for (size_t k = 1; k < std::min(steps_.size(), draw.innovations.size()); ++k) drawn_[k - 1] = draw.innovations[k];
+    if (problem_.sensors) {
+      readings_ = problem_.sensors->readings;
+      if (draw.readings_m_s2.size() > 0) readings_ += draw.readings_m_s2;
+    }
     joins_.assign(steps_.size(), Eigen::Vector3d::Zero());
     result_.start = problem_.guide.start;
     result_.start.heading_rad = FirstHeading();
@@ -275,15 +285,14 @@ class Optimizer {
   // Readings, by the steps in whose time they lie.
   void AddSensors(ceres::Problem* problem) {
     if (!problem_.sensors) return;
-    const Eigen::MatrixXd& readings = problem_.sensors->readings;
-    const auto last = std::min<Eigen::Index>(readings.cols() - 2, static_cast<Eigen::Index>(EndTime() * kSensorRate_hz) - 1);
+    const auto last = std::min<Eigen::Index>(readings_.cols() - 2, static_cast<Eigen::Index>(EndTime() * kSensorRate_hz) - 1);
     Eigen::Index from = 1;
     for (size_t k = 0; k < steps_.size() && from <= last; ++k) {
       Eigen::Index to = from;
       while (to <= last && (static_cast<double>(to) / kSensorRate_hz < places_[k + 1][kPlaceTime] || k + 1 == steps_.size())) ++to;
       if (to == from) continue;
       Add(problem, new SensorResidual(kinematics_[k], problem_.chained_sensors, static_cast<double>(from) / kSensorRate_hz, kSensorRate_hz,
-                                      readings.middleCols(from, to - from), kSensor_m_s2), k);
+                                      readings_.middleCols(from, to - from), kSensor_m_s2), k);
       from = to;
     }
   }
@@ -532,6 +541,7 @@ class Optimizer {
   std::vector<KeyframePlace> places_;
   std::list<Eigen::Vector3d> offsets_;  // of the terms of the present solution
   std::vector<std::vector<Eigen::RowVectorXd>> directions_;  // of each step's latent, that the terms depend on
+  Eigen::MatrixXd readings_;  // that the walk is held to
   SteeredWalk result_;
 };
 
@@ -541,8 +551,20 @@ bool SteeredWalk::all_met() const {
   return std::all_of(outcomes.begin(), outcomes.end(), [](const ControlOutcome& outcome) { return outcome.met; });
 }
 
-SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics) {
-  return Optimizer(problem, plan, kinematics).Run();
+PosteriorDraw DrawPosterior(const SensorGuide& sensors, std::mt19937_64& rng) {
+  boost::random::normal_distribution<double> normal;
+  PosteriorDraw draw;
+  for (const DrawnStep& step : sensors.walk.steps) {
+    Eigen::VectorXd& innovation = draw.innovations.emplace_back(step.step.whitened.size());
+    for (double& value : innovation) value = normal(rng);
+  }
+  draw.readings_m_s2.resizeLike(sensors.readings);
+  for (double& value : draw.readings_m_s2.reshaped()) value = kSensor_m_s2 * normal(rng);
+  return draw;
+}
+
+SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, const PosteriorDraw& draw) {
+  return Optimizer(problem, plan, kinematics, draw).Run();
 }
 
 }  // namespace morphograph

@@ -126,6 +126,18 @@ TEST_F(SteeredByReadings, GivesTheSameClipAgain) {
   EXPECT_EQ(a.clip.root_positions(), b.clip.root_positions());
 }
 
+// Each seed draws another walk of those that the readings leave possible.
+TEST_F(SteeredByReadings, DiffersByItsSeedALittle) {
+  SynthesisRequest request = Request();
+  request.seed = 1;
+  const SynthesisResult a = Make(request);
+  request.seed = 2;
+  const SynthesisResult b = Make(request);
+  const double apart = CompareClips(a.clip, b.clip).position_rms_cm;
+  EXPECT_GT(apart, 0.3);
+  EXPECT_LT(apart, 5);
+}
+
 TEST_F(SteeredByReadings, TwoReadingsSteerNothing) {
   SynthesisRequest request = Request();
   Readings& readings = request.control.sensors->readings;
