@@ -13,6 +13,7 @@
 #include "api/study/mixture_study.h"
 #include "api/study/reduction_study.h"
 #include "api/study/sample_study.h"
+#include "api/study/sensor_study.h"
 #include "api/study/transition_study.h"
 #include "api/training.h"
 #include "datasets/error_reason.h"
@@ -44,6 +45,7 @@ const std::vector<Part>& Parts() {
       {"likeness", "likeness of synthesised and captured clips", 100, StudyLikeness},
       {"long_walks", "walks of 200 steps", 10, StudyLongWalks},
       {"ablations", "ablations", 150, StudyAblations},
+      {"sensors", "motion from four accelerometers", 30, StudySensors},
   };
   return parts;
 }

@@ -216,6 +216,11 @@ TEST_F(CliTest, StudyWritesAPageAndJsonThatDoNotDependOnThreads) {
   const json& transitions = one["sections"]["transitions"]["data"]["clean"];
   EXPECT_NEAR(transitions["none"]["relative_error"].get<double>(), 1, 1e-9);
   EXPECT_GT(transitions["edges"].size(), 0u);
+  // Two clips of the twelve are left out of the base, and looked for in it by four accelerometers.
+  const json& sensors = one["sections"]["sensors"]["data"];
+  EXPECT_EQ(sensors["test_clips"].size(), 2u);
+  EXPECT_LT(sensors["ways"]["kernels"]["error_cm"]["mean"], sensors["ways"]["nearest"]["error_cm"]["mean"]);
+  EXPECT_LT(sensors["ways"]["kernels"]["jerk_ratio"], sensors["ways"]["nearest"]["jerk_ratio"]);
   EXPECT_THAT(ReadFile(Path("two/index.html")), HasSubstr("id=\"transitions\""));
 }
 
