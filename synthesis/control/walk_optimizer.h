@@ -4,23 +4,9 @@
 #include <random>
 #include <vector>
 
-#include "synthesis/control/control_measure.h"
-#include "synthesis/evaluation.h"
-#include "synthesis/walk_sampler.h"
+#include "synthesis/control/walk_state.h"
 
 namespace morphograph {
-
-/// A walk that was steered, and its clip.
-struct SteeredWalk {
-  DrawnWalk walk;
-  StartPose start;
-  MotionClip clip;
-  ClipEvaluation evaluation;
-  std::vector<double> keyframe_times_s;
-  std::vector<ControlOutcome> outcomes;
-
-  bool all_met() const;
-};
 
 /// What a walk that readings steer is drawn with: noise in place of the innovations and the reading errors, so that the optimum is a draw from what readings leave
 /// possible (randomised maximum likelihood, as InnovationResidual). The most likely walk itself would be the same for every seed.

@@ -1,0 +1,214 @@
+#include "synthesis/control/walk_terms.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "datasets/forward_kinematics.h"
+#include "synthesis/control/floor_area.h"
+#include "synthesis/control/residuals/sensor_residual.h"
+#include "synthesis/step_track.h"
+
+namespace morphograph {
+namespace {
+
+constexpr double kFree = std::numeric_limits<double>::infinity();
+constexpr double kTight = 0.1;  // part of its tolerance that a term may deviate by; less tightly where it is held over many frames
+constexpr double kArrival_s = 0.01;
+constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
+constexpr double kReachSpare_m = 0.02;   // past what an arm did not reach
+constexpr bool kAllAxes[3] = {true, true, true};
+constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
+constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
+
+}  // namespace
+
+WalkTerms::WalkTerms(WalkState* walk, const TermSternness& sternness, ceres::Problem* equations)
+    : walk_(*walk), problem_(walk->problem), sternness_(sternness), equations_(equations), directions_(walk->steps.size()) {}
+
+void WalkTerms::AddAll() {
+  AddPathAndGoal();
+  AddConstraints();
+  AddSensors();
+}
+
+// A term of one step. What it says of the step's latent is one of the directions in which that one may move.
+void WalkTerms::Add(StepResidual* residual, size_t step) {
+  equations_->AddResidualBlock(residual, nullptr, walk_.latents[step].data(), walk_.places[step].data());
+  const Eigen::MatrixXd rows = residual->ByLatent(walk_.latents[step], walk_.places[step]);
+  for (Eigen::Index r = 0; r < rows.rows(); ++r) directions_[step].push_back(rows.row(r));
+}
+
+Eigen::Vector3d* WalkTerms::NewOffset() { return &offsets_.emplace_back(Eigen::Vector3d::Zero()); }
+
+void WalkTerms::AddRoot(const Moment& at, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation) {
+  Eigen::Vector3d* offset = NewOffset();
+  if (walk_.has_clip()) {
+    const Eigen::Vector3d model = walk_.kinematics[at.step]->Root(at.moment, walk_.latents[at.step], walk_.places[at.step]).value;
+    *offset = walk_.MeasuredRoot(at.frame) - model;
+    (*offset)[2] = std::remainder((*offset)[2], 2 * M_PI);
+  }
+  Add(new RootResidual(walk_.kinematics[at.step], at.moment, target, deviation, offset), at.step);
+}
+
+void WalkTerms::AddJoint(const Moment& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation,
+                         const std::optional<Eigen::Vector3d>& measured) {
+  Eigen::Vector3d* offset = NewOffset();
+  if (measured) *offset = *measured - walk_.kinematics[at.step]->Joint(*joint.chain, at.moment, walk_.latents[at.step], walk_.places[at.step]).position_m;
+  Add(new JointPositionResidual(walk_.kinematics[at.step], joint.chain, at.moment, target, deviation, offset), at.step);
+}
+
+void WalkTerms::AddPathAndGoal() {
+  const ControlTerms& control = problem_.request.control;
+  const double end = walk_.EndTime();
+  if (control.path) {
+    for (size_t k = 0; k < walk_.steps.size(); ++k) {
+      for (const double phase : {0.0, 0.5}) {
+        if (walk_.places[k][kPlaceTime] + phase * (walk_.places[k + 1][kPlaceTime] - walk_.places[k][kPlaceTime]) > end) continue;
+        Add(new PathResidual(walk_.kinematics[k], {false, phase}, *problem_.guide.path, walk_.along_m[k] - 0.5, walk_.along_m[k + 1] + 0.5, sternness_.mean_part * control.path->tolerance_m), k);
+      }
+    }
+  }
+  if (problem_.goal_m) {
+    Moment at = walk_.MomentOfTime(end);
+    if (const auto keyframe = walk_.LastKeyframe()) at = {*keyframe - 1, {false, 1}, walk_.frames - 1};
+    const double tolerance = control.goal ? control.goal->tolerance_m : control.path->tolerance_m;
+    Eigen::Vector3d deviation(kTight * tolerance, kTight * tolerance, kFree);
+    double heading = 0;
+    if (control.goal && control.goal->heading_rad) {
+      heading = *control.goal->heading_rad;
+      deviation[2] = kTight * control.goal->heading_tolerance_rad;
+    }
+    AddRoot(at, {problem_.goal_m->x(), problem_.goal_m->y(), heading}, deviation);
+  }
+  if (walk_.stops() && problem_.guide.duration_s) {
+    // Where a walk stops, its last step's margin is the end.
+    const StepShape shape = problem_.graph.primitive(walk_.steps.back().primitive).Shape(walk_.steps.back().latent);
+    const double margin = walk_.has_clip() ? (walk_.frames - 1) / walk_.rate() - walk_.places.back()[kPlaceTime] : MarginAfter(shape) * shape.duration_s;
+    equations_->AddResidualBlock(new ArrivalResidual(*problem_.guide.duration_s - margin, kArrival_s), nullptr, walk_.places.back().data());
+  }
+  if (control.speed) {
+    for (size_t k = 0; k < walk_.steps.size() && walk_.places[k + 1][kPlaceTime] <= end + 1e-9; ++k) {
+      const double middle = (walk_.places[k][kPlaceTime] + walk_.places[k + 1][kPlaceTime]) / 2;
+      Add(new SpeedResidual(walk_.kinematics[k], SpeedAt(control.speed->profile, middle), sternness_.mean_part * control.speed->tolerance_m_s), k);
+    }
+  }
+}
+
+// Readings, by the steps in whose time they lie.
+void WalkTerms::AddSensors() {
+  if (!problem_.sensors) return;
+  const auto last = std::min<Eigen::Index>(walk_.readings.cols() - 2, static_cast<Eigen::Index>(walk_.EndTime() * kSensorRate_hz) - 1);
+  Eigen::Index from = 1;
+  for (size_t k = 0; k < walk_.steps.size() && from <= last; ++k) {
+    Eigen::Index to = from;
+    while (to <= last && (static_cast<double>(to) / kSensorRate_hz < walk_.places[k + 1][kPlaceTime] || k + 1 == walk_.steps.size())) ++to;
+    if (to == from) continue;
+    Add(new SensorResidual(walk_.kinematics[k], problem_.chained_sensors, static_cast<double>(from) / kSensorRate_hz, kSensorRate_hz,
+                                    walk_.readings.middleCols(from, to - from), kReadingDeviation_m_s2), k);
+    from = to;
+  }
+}
+
+void WalkTerms::AddConstraints() {
+  const auto& constraints = problem_.request.control.constraints;
+  for (size_t i = 0; i < constraints.size(); ++i) {
+    std::visit([&](const auto& term) { AddTerm(term, problem_.joints[i]); }, constraints[i]);
+  }
+}
+
+// A joint at a point. Arms and head finish by themselves what the walk brings near (see ApplyPoseGoals); where they did not reach, the walk
+// has to bring the joint nearer that they hang from.
+void WalkTerms::AddPoint(const Moment& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const bool* use, double tolerance_m) {
+  Eigen::Vector3d deviation = Eigen::Vector3d::Constant(joint.finishes ? std::max(kLoosePoint_m, kTight * tolerance_m) : kTight * tolerance_m);
+  const auto measured = walk_.MeasuredJoint(at.frame, joint.joint);
+  if (joint.finishes && measured) {
+    Eigen::Vector3d missing = target - *measured;
+    for (int axis = 0; axis < 3; ++axis) missing[axis] *= use[axis];
+    if (missing.norm() > kEnough * tolerance_m) {
+      const Eigen::Vector3d base = *walk_.MeasuredJoint(at.frame, joint.base);
+      const ResolvedJoint limb{joint.base, joint.base_chain};
+      Eigen::Vector3d near = Eigen::Vector3d::Constant(kTight * kLoosePoint_m);
+      for (int axis = 0; axis < 3; ++axis) {
+        if (!use[axis]) near[axis] = kFree;
+      }
+      return AddJoint(at, limb, base + missing + kReachSpare_m * missing.normalized(), near, base);
+    }
+  }
+  for (int axis = 0; axis < 3; ++axis) {
+    if (!use[axis]) deviation[axis] = kFree;
+  }
+  AddJoint(at, joint, target, deviation, measured);
+}
+
+void WalkTerms::AddTerm(const PositionTerm& term, const std::vector<ResolvedJoint>& joints) {
+  AddPoint(walk_.MomentOf(term.at), joints[0], term.value_m, term.use, term.tolerance_m);
+}
+
+void WalkTerms::AddTerm(const OrientationTerm& term, const std::vector<ResolvedJoint>& joints) {
+  const Moment at = walk_.MomentOf(term.at);
+  Add(new JointOrientationResidual(walk_.kinematics[at.step], joints[0].chain, at.moment, term.value, kTight * term.tolerance_rad), at.step);
+}
+
+void WalkTerms::AddTerm(const TrajectoryTerm& term, const std::vector<ResolvedJoint>& joints) {
+  for (size_t k = 0; k < term.times_s.size(); ++k) {
+    AddPoint(walk_.MomentOfTime(term.times_s[k]), joints[0], term.points_m[k], kAllAxes, term.tolerance_m);
+  }
+}
+
+void WalkTerms::AddTerm(const HeadingTerm& term, const std::vector<ResolvedJoint>&) {
+  AddRoot(walk_.MomentOf(term.at), {0, 0, term.value_rad}, {kFree, kFree, kTight * term.tolerance_rad});
+}
+
+void WalkTerms::AddTerm(const FootstepTerm& term, const std::vector<ResolvedJoint>&) {
+  if (!walk_.has_clip()) return;  // which step it is, only a clip can say
+  const PlantedFoot* foot = FootstepOf(term, walk_.made.evaluation.contacts);
+  if (!foot) return;
+  const int side = term.left ? 0 : 1;
+  const double time = (foot->interval.first + foot->interval.last) / 2.0 / walk_.rate();
+  const size_t step = walk_.StepAt(time);
+  const double length = walk_.places[step + 1][kPlaceTime] - walk_.places[step][kPlaceTime];
+  const double phase = std::clamp((time - walk_.places[step][kPlaceTime]) / length, 0.0, 1.0);
+  const Moment at{step, {false, phase}, static_cast<int>(std::lround(time * walk_.rate()))};
+  const double deviation = kTight * term.tolerance_m;
+  AddJoint(at, problem_.ball[side], {term.value_m.x(), 0, term.value_m.y()}, {deviation, kFree, deviation},
+           Eigen::Vector3d(foot->position_m.x(), 0, foot->position_m.y()));
+}
+
+void WalkTerms::AddTerm(const KeepOutTerm& term, const std::vector<ResolvedJoint>&) {
+  const FloorArea area(term);
+  for (size_t k = 0; k < walk_.steps.size() && walk_.places[k][kPlaceTime] <= walk_.EndTime(); ++k) {
+    if (area.Depth(walk_.places[k].head<2>()) < -kAreaReach_m && area.Depth(walk_.places[k + 1].head<2>()) < -kAreaReach_m) continue;
+    for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
+      const auto add = [&](const ResolvedJoint* joint) {
+        Add(new KeepOutResidual(walk_.kinematics[k], joint ? joint->chain : nullptr, {false, phase}, term, joint ? kFootMargin_m : 0.02, 0.005), k);
+      };
+      add(nullptr);
+      for (int side = 0; side < 2; ++side) {
+        add(&problem_.ball[side]);
+        add(&problem_.heel[side]);
+      }
+    }
+  }
+}
+
+void WalkTerms::AddTerm(const LookAtTerm& term, const std::vector<ResolvedJoint>&) {
+  const double spacing = 0.15;
+  const int count = std::max(1, static_cast<int>(std::ceil((term.to_s - term.from_s) / spacing)));
+  for (int i = 0; i <= count; ++i) {
+    const Moment at = walk_.MomentOfTime(term.from_s + (term.to_s - term.from_s) * i / count);
+    Add(new LookAtResidual(walk_.kinematics[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, std::max(sternness_.loose_part * kLooseLook_rad, sternness_.mean_part * term.tolerance_rad)), at.step);
+  }
+}
+
+void WalkTerms::AddTerm(const PoseTerm& term, const std::vector<ResolvedJoint>& joints) {
+  const Moment at = walk_.MomentOf(term.at);
+  const FloorState root = walk_.kinematics[at.step]->Root(at.moment, walk_.latents[at.step], walk_.places[at.step]);
+  const Eigen::AngleAxisd turn(root.value[2], Eigen::Vector3d::UnitY());
+  for (size_t k = 0; k < joints.size(); ++k) {
+    const Eigen::Vector3d target = turn * term.values_m[k] + Eigen::Vector3d(root.value[0], 0, root.value[1]);
+    AddPoint(at, joints[k], target, kAllAxes, term.tolerance_m);
+  }
+}
+
+}  // namespace morphograph
