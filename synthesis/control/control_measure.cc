@@ -133,20 +133,36 @@ class Measurer {
     AddConstraint((foot->position_m - term.value_m).norm(), term.tolerance_m, "m", false, List(foot->position_m));
   }
 
+  // How deep a point comes that goes straight from one place to another.
+  static double Deepest(const FloorArea& area, const Eigen::Vector2d& from, const Eigen::Vector2d& to) {
+    constexpr double kSpacing_m = 0.01;
+    const double way = (to - from).norm();
+    double deepest = std::max(area.Depth(from), area.Depth(to));
+    if (deepest > -way) {
+      const int pieces = static_cast<int>(std::ceil(way / kSpacing_m));
+      for (int i = 1; i < pieces; ++i) deepest = std::max(deepest, area.Depth(from + (to - from) * i / pieces));
+    }
+    return deepest;
+  }
+
   void Of(const KeepOutTerm& term) {
+    // Between the frames of a slow film points do not go straight.
+    const bool between = measured_.clip.frame_rate_hz() >= 10;
     double deepest = 0;
     const FloorArea area(term);
+    std::vector<Eigen::Vector2d> before;
     for (int f = 0; f < measured_.clip.frame_count(); ++f) {
       const WorldPose& pose = PoseAt(f);
-      const auto look = [&](int joint) {
-        const Eigen::Vector3d point = pose.positions.col(joint);
-        deepest = std::max(deepest, area.Depth({point.x(), point.z()}));
-      };
-      look(measured_.clip.skeleton().moving_root());
+      std::vector<Eigen::Vector2d> now;
+      const auto look = [&](const Eigen::Vector3d& point) { now.emplace_back(point.x(), point.z()); };
+      look(pose.positions.col(measured_.clip.skeleton().moving_root()));
       for (int side = 0; side < 2; ++side) {
-        look(problem_.ball[side].joint);
-        look(problem_.heel[side].joint);
+        look(pose.positions.col(problem_.ball[side].joint));
+        look(pose.positions.col(problem_.heel[side].joint));
+        look(pose.positions.col(problem_.ball[side].joint) + pose.rotations[static_cast<size_t>(problem_.ball[side].joint)] * problem_.toes_m[side]);
       }
+      for (size_t k = 0; k < now.size(); ++k) deepest = std::max(deepest, between && f > 0 ? Deepest(area, before[k], now[k]) : area.Depth(now[k]));
+      before = std::move(now);
     }
     AddConstraint(deepest, 0, "m");
   }

@@ -15,6 +15,9 @@ constexpr double kGuideDeviation_m = 0.3;   // of a walk that only has to come t
 constexpr double kShortestGuide_m = 0.3;
 constexpr double kReach_m = 0.45;          // of hands from the root, on the floor
 constexpr double kPlaceSpacing_s = 0.2;    // between points of a line in space that the search looks at
+// What one clip may ask for in all; more would take minutes.
+constexpr double kMostPoses = 20'000;       // of arms and head: a look for a minute at 30 frames a second is 1,800
+constexpr double kShortestToes_m = 0.01, kToes = 0.5;  // toes, in the length of a foot from ankle to ball
 constexpr double kDetour_m = 0.5;           // of a guide's line around areas kept out of
 
 std::string JointNames(const Skeleton& skeleton) {
@@ -42,7 +45,7 @@ class Maker {
     const LimbChain limb(skeleton_, joint);
     if (!limb.empty()) {
       resolved.finishes = true;
-      resolved.base = limb.links().back().joint;
+      resolved.base = limb.base();
       resolved.base_chain = std::make_shared<JointChain>(problem_.graph.layout(), means, resolved.base);
     }
     return resolved;
@@ -61,6 +64,7 @@ class Maker {
     problem_.ball[1] = Resolve(roles[JointRole::kRightToe]);
     problem_.heel[0] = Resolve(roles[JointRole::kLeftAnkle]);
     problem_.heel[1] = Resolve(roles[JointRole::kRightAnkle]);
+    for (int side = 0; side < 2; ++side) problem_.toes_m[side] = ToesOf(problem_.ball[side], problem_.heel[side]);
     if (roles.Has(JointRole::kHead)) {
       problem_.head = Resolve(roles[JointRole::kHead]);
       // On the whole a walker looks ahead: that direction, in the head of the style's mean pose.
@@ -85,6 +89,16 @@ class Maker {
           },
           constraints[i]);
     }
+  }
+
+  // The tip of the toes: as the skeleton has it, or else as far before the ball as feet have it, in the style's mean pose.
+  Eigen::Vector3d ToesOf(const ResolvedJoint& ball, const ResolvedJoint& ankle) const {
+    if (const auto& end = skeleton_.joint(ball.joint).end_site_m; end && end->norm() > kShortestToes_m) return *end;
+    const Eigen::VectorXd mean = Eigen::VectorXd::Zero(problem_.graph.layout().channels());
+    const JointState at_ball = ball.chain->At(mean), at_ankle = ankle.chain->At(mean);
+    Eigen::Vector3d foot = at_ball.position_m - at_ankle.position_m;
+    foot.y() = 0;
+    return at_ball.rotation.transpose() * (kToes * foot);
   }
 
   void ResolveSensors() {
@@ -150,6 +164,7 @@ class Maker {
     for (const Constraint& constraint : control.constraints) {
       if (const auto* area = std::get_if<KeepOutTerm>(&constraint)) guide.keep_out.emplace_back(*area);
       if (const auto* heading = std::get_if<HeadingTerm>(&constraint); heading && heading->at.time_s) guide.headings.push_back({*heading->at.time_s, heading->value_rad});
+      if (const auto* foot = std::get_if<FootstepTerm>(&constraint)) guide.feet.push_back({foot->left, foot->index, foot->value_m});
       if (const auto* position = std::get_if<PositionTerm>(&constraint); position && position->at.time_s && position->use[0] && position->use[2])
         guide.places.push_back({*position->at.time_s, {position->value_m.x(), position->value_m.z()}, kReach_m});
       if (const auto* trajectory = std::get_if<TrajectoryTerm>(&constraint)) {
@@ -194,6 +209,21 @@ class Maker {
     }
     if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = kDefaultDuration_s;
     CheckAreas();
+    CheckAmount();
+  }
+
+  // @throws UnsatisfiableRequest where the constraints ask for more than one clip may.
+  void CheckAmount() const {
+    double poses = 0;
+    const auto span = [&](double from_s, double to_s) { poses += 1 + std::max(0.0, std::min(to_s, kMaxDuration_s) - from_s) * problem_.frame_rate_hz; };
+    for (const Constraint& constraint : problem_.request.control.constraints) {
+      if (const auto* look = std::get_if<LookAtTerm>(&constraint)) span(look->from_s, look->to_s);
+      if (const auto* trajectory = std::get_if<TrajectoryTerm>(&constraint); trajectory && !trajectory->times_s.empty()) span(trajectory->times_s.front(), trajectory->times_s.back());
+      if (const auto* pose = std::get_if<PoseTerm>(&constraint)) poses += static_cast<double>(pose->joints.size());
+    }
+    if (poses <= kMostPoses) return;
+    throw UnsatisfiableRequest("/constraints", "ask for " + std::to_string(static_cast<long>(poses)) + " poses of arms and head, one a frame; one clip may ask for " +
+                                                   std::to_string(static_cast<long>(kMostPoses)) + ": ask for shorter spans, or for fewer frames a second");
   }
 
   // Areas that hold the start, the goal or a part of the path cannot be kept out of.

@@ -31,6 +31,7 @@ struct ControlProblem {
   std::shared_ptr<const SensorGuide> sensors = {};  // where readings were given
   std::vector<ChainedSensor> chained_sensors = {};  // of sensors->placements
   ResolvedJoint head = {}, ball[2] = {}, heel[2] = {};  // ball and ankle of the left and the right foot
+  Eigen::Vector3d toes_m[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  // from the ball of a foot to the tip of its toes, in the ball's frame
 
   const Eigen::Quaterniond& mean_root() const {
     return graph.styles()[static_cast<size_t>(style)].mean_rotations[static_cast<size_t>(graph.layout().active_joints()[0])];

@@ -16,7 +16,7 @@ class Goals {
   Goals(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, MotionClip* clip)
       : problem_(problem), times_(keyframe_times_s), before_(*clip), clip_(*clip) {}
 
-  void Apply() {
+  int Apply() {
     const auto& constraints = problem_.request.control.constraints;
     // What one goal does eases into the frames of the next: once more, so that neither order nor nearness decides.
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -26,6 +26,7 @@ class Goals {
       if (goals_ <= 1) break;
       goals_ = 0;
     }
+    return poses_;
   }
 
  private:
@@ -33,7 +34,7 @@ class Goals {
   int Frame(double time_s) const { return MeasuredClip{clip_, {}}.FrameAt(time_s); }
 
   void Apply(const PoseGoal& goal) {
-    ApplyPoseGoal(goal, before_, &clip_);
+    poses_ += ApplyPoseGoal(goal, before_, &clip_);
     ++goals_;
   }
 
@@ -103,12 +104,13 @@ class Goals {
   const MotionClip before_;
   MotionClip& clip_;
   int goals_ = 0;  // of a sweep
+  int poses_ = 0;
 };
 
 }  // namespace
 
-void ApplyPoseGoals(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, MotionClip* clip) {
-  Goals(problem, keyframe_times_s, clip).Apply();
+int ApplyPoseGoals(const ControlProblem& problem, const std::vector<double>& keyframe_times_s, MotionClip* clip) {
+  return Goals(problem, keyframe_times_s, clip).Apply();
 }
 
 }  // namespace morphograph

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "primitives/rotation_math.h"
+#include "synthesis/control/arm_range.h"
 
 namespace morphograph {
 namespace {
@@ -12,6 +13,8 @@ namespace {
 constexpr int kIterations = 20;
 constexpr double kStuck = 0.999;  // part of a miss that an iteration leaves at most, or it is out of reach
 constexpr double kLargestStep_rad = 0.25;  // of an iteration
+constexpr double kLeanFor_m = 2e-3;  // the trunk helps where an arm alone misses its point by more
+constexpr double kLean_rad = 0.26;   // of the trunk against the walk's, all its joints together
 constexpr double kClose_m = 2e-4, kClose_rad = 1e-3;
 constexpr double kEaseIn_s = 0.25, kEaseSpeed_rad_s = 2.5, kLongestEase_s = 0.9;
 constexpr double kHeadTurn_rad = 1.2;  // of the head against the trunk, all joints of the neck together
@@ -30,6 +33,27 @@ double SmoothStep(double t) {
   return t * t * t * (t * (6 * t - 15) + 10);
 }
 
+// The range of the chain's upper arm, given the trunk of a pose; without an arm, nothing.
+std::optional<ArmRange> RangeOf(const Skeleton& skeleton, const LimbChain& chain, const WorldPose& before) {
+  for (const LimbChain::Link& link : chain.links()) {
+    if (link.elbow >= 0) return ArmRange(skeleton, before, link.joint, link.elbow, link.wrist);
+  }
+  return std::nullopt;
+}
+
+// Turns an upper arm that is out of its range back into it. True where it did.
+bool KeepInRange(const Skeleton& skeleton, const LimbChain& chain, const ArmRange& range, const WorldPose& pose, Eigen::Quaterniond* rotations) {
+  const std::optional<Eigen::Quaterniond> back = range.Back(pose);
+  if (!back) return false;
+  for (const LimbChain::Link& link : chain.links()) {
+    if (link.elbow < 0) continue;
+    const Eigen::Quaterniond parent = pose.rotations[static_cast<size_t>(skeleton.parent(link.joint))];
+    Eigen::Quaterniond& rotation = rotations[link.joint];
+    rotation = (parent.conjugate() * *back * parent * rotation).normalized();
+  }
+  return true;
+}
+
 using Turns = std::vector<Eigen::Vector3d>;  // of each link, in its joint's own frame
 
 class FrameSolver {
@@ -39,24 +63,36 @@ class FrameSolver {
     free_.assign(before.rotations(frame), before.rotations(frame) + before.joint_count());
     original_.assign(clip.rotations(frame), clip.rotations(frame) + clip.joint_count());
     rotations_ = original_;
+    ForwardKinematics(skeleton_, free_.data(), root_, &pose_);
+    range_ = RangeOf(skeleton_, chain, pose_);
     ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
     if (goal_.position) target_ = goal_.position(frame_, pose_);
   }
 
   Turns Solve() {
-    double before = 0;
-    for (int i = 0; i < kIterations; ++i) {
-      const Eigen::Vector3d miss = goal_.position ? Eigen::Vector3d(target_ - pose_.positions.col(goal_.joint)) : goal_.turn(frame_, pose_);
-      if (miss.norm() < (goal_.position ? kClose_m : kClose_rad) || (i > 2 && miss.norm() > kStuck * before)) break;
-      before = miss.norm();
-      Step(miss);
-    }
+    Iterate(chain_.limb_size());
+    if (goal_.position && chain_.links().size() > chain_.limb_size() && Miss().norm() > kLeanFor_m) Iterate(chain_.links().size());
     Turns turns;
     for (const LimbChain::Link& link : chain_.links()) turns.push_back(TurnOf(link.joint));
     return turns;
   }
 
+  int poses() const { return poses_; }
+
  private:
+  Eigen::Vector3d Miss() const { return goal_.position ? Eigen::Vector3d(target_ - pose_.positions.col(goal_.joint)) : goal_.turn(frame_, pose_); }
+
+  // With the first so many links of the chain.
+  void Iterate(size_t links) {
+    double before = 0;
+    for (int i = 0; i < kIterations; ++i) {
+      const Eigen::Vector3d miss = Miss();
+      if (miss.norm() < (goal_.position ? kClose_m : kClose_rad) || (i > 2 && miss.norm() > kStuck * before)) break;
+      before = miss.norm();
+      Step(miss, links);
+    }
+  }
+
   Eigen::Vector3d TurnOf(int joint) const {
     const auto j = static_cast<size_t>(joint);
     return LogMap(original_[j].conjugate() * rotations_[j]);
@@ -70,13 +106,14 @@ class FrameSolver {
     return {here - pose_.positions.col(skeleton_.parent(elbow)), pose_.positions.col(below) - here};
   }
 
-  void Step(const Eigen::Vector3d& miss) {
+  void Step(const Eigen::Vector3d& miss, size_t links) {
+    ++poses_;
     struct Axis {
       size_t link;
       Eigen::Vector3d world;
     };
     std::vector<Axis> axes;
-    for (size_t k = 0; k < chain_.links().size(); ++k) {
+    for (size_t k = 0; k < links; ++k) {
       const LimbChain::Link& link = chain_.links()[k];
       if (link.is_elbow) {
         const auto [upper, lower] = Bones(link.joint);
@@ -100,10 +137,11 @@ class FrameSolver {
     const double largest = turn.cwiseAbs().maxCoeff();
     if (largest > kLargestStep_rad) turn *= kLargestStep_rad / largest;
 
-    std::vector<Eigen::Vector3d> of_link(chain_.links().size(), Eigen::Vector3d::Zero());
+    std::vector<Eigen::Vector3d> of_link(links, Eigen::Vector3d::Zero());
     for (size_t a = 0; a < axes.size(); ++a) of_link[axes[a].link] += turn[static_cast<Eigen::Index>(a)] * axes[a].world;
     for (size_t k = 0; k < of_link.size(); ++k) Turn(chain_.links()[k], of_link[k]);
     ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
+    if (range_ && KeepInRange(skeleton_, chain_, *range_, pose_, rotations_.data())) ForwardKinematics(skeleton_, rotations_.data(), root_, &pose_);
   }
 
   // Turns a joint about the world's axes, within its limits.
@@ -130,7 +168,9 @@ class FrameSolver {
   int frame_;
   Eigen::Vector3d target_ = Eigen::Vector3d::Zero();
   std::vector<Eigen::Quaterniond> free_, original_, rotations_;  // before any goal, before this one, now
+  std::optional<ArmRange> range_;
   WorldPose pose_;
+  int poses_ = 2;
 };
 
 }  // namespace
@@ -139,6 +179,7 @@ LimbChain::LimbChain(const Skeleton& skeleton, int joint) {
   const RoleMap& roles = skeleton.roles();
   const int shoulders[2] = {roles[JointRole::kLeftShoulder], roles[JointRole::kRightShoulder]};
   const int elbows[2] = {roles[JointRole::kLeftElbow], roles[JointRole::kRightElbow]};
+  const int wrists[2] = {roles[JointRole::kLeftWrist], roles[JointRole::kRightWrist]};
   if (shoulders[0] < 0 || shoulders[1] < 0) return;
   const auto is_trunk = [&](int j) { return IsAncestor(skeleton, j, shoulders[0]) && IsAncestor(skeleton, j, shoulders[1]); };
   std::vector<Link> links;
@@ -151,6 +192,8 @@ LimbChain::LimbChain(const Skeleton& skeleton, int joint) {
       link.limit_rad = 2;
     } else if (j == shoulders[0] || j == shoulders[1]) {
       link.limit_rad = 1.6;
+      const int side = j == shoulders[0] ? 0 : 1;
+      if (elbows[side] >= 0 && wrists[side] >= 0) link.elbow = elbows[side], link.wrist = wrists[side];
     } else if (IsAncestor(skeleton, j, shoulders[0]) || IsAncestor(skeleton, j, shoulders[1])) {
       link = {j, false, 0.15, 0.35};  // collar bones follow, a little
     }
@@ -162,16 +205,27 @@ LimbChain::LimbChain(const Skeleton& skeleton, int joint) {
   if (is_head) {
     for (Link& link : links) link.limit_rad = kHeadTurn_rad / static_cast<double>(links.size());
   }
+  limb_size_ = links.size();
+  if (!is_head) {
+    const size_t limb = links.size();
+    for (; j >= 0 && j != skeleton.moving_root(); j = skeleton.parent(j)) links.push_back({j, false, 0.3, 0});
+    for (size_t k = limb; k < links.size(); ++k) links[k].limit_rad = kLean_rad / static_cast<double>(links.size() - limb);
+  }
   links_ = std::move(links);
 }
 
-void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip) {
+int ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip) {
   const LimbChain chain(clip->skeleton(), goal.joint);
-  if (chain.empty() || clip->frame_count() == 0) return;
+  if (chain.empty() || clip->frame_count() == 0) return 0;
   const int frames = clip->frame_count();
   const int first = std::clamp(goal.first_frame, 0, frames - 1), last = std::clamp(goal.last_frame, first, frames - 1);
   std::vector<Turns> turns;
-  for (int f = first; f <= last; ++f) turns.push_back(FrameSolver(before, *clip, f, goal, chain).Solve());
+  int poses = 0;
+  for (int f = first; f <= last; ++f) {
+    FrameSolver solver(before, *clip, f, goal, chain);
+    turns.push_back(solver.Solve());
+    poses += solver.poses();
+  }
   const auto ease_frames = [&](const Turns& at) {
     double largest = 0;
     for (const Eigen::Vector3d& turn : at) largest = std::max(largest, turn.norm());
@@ -183,6 +237,7 @@ void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* c
     if (part <= 0) continue;
     const Turns& at = turns[static_cast<size_t>(std::clamp(f, first, last) - first)];
     for (size_t k = 0; k < at.size(); ++k) {
+      if (at[k].isZero(0)) continue;  // a trunk that need not lean stays as it is, to the last bit
       Eigen::Quaterniond& rotation = clip->rotation(f, chain.links()[k].joint);
       rotation = (rotation * ExpMap(part * at[k])).normalized();
       // Eased turns of several goals may add up.
@@ -190,7 +245,10 @@ void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* c
       const Eigen::Vector3d all = LogMap(free.conjugate() * rotation);
       if (const double limit = chain.links()[k].limit_rad; all.norm() > limit) rotation = free * ExpMap(all * (limit / all.norm()));
     }
+    if (const auto range = RangeOf(clip->skeleton(), chain, ForwardKinematics(before, f)))
+      KeepInRange(clip->skeleton(), chain, *range, ForwardKinematics(*clip, f), &clip->rotation(f, 0));
   }
+  return poses;
 }
 
 }  // namespace morphograph

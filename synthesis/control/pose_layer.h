@@ -21,8 +21,8 @@ struct PoseGoal {
   std::function<Eigen::Vector3d(int frame, const WorldPose& pose)> turn;
 };
 
-/// The joints that a goal may use: from the joint up to the trunk, which stays as it is. Empty for legs, trunk and root, which only the walk
-/// itself can move.
+/// The joints that a goal may use: from the joint up to the trunk, and for arms the joints of the trunk as well, which lean a little where the
+/// arm alone does not reach. Empty for legs, trunk and root, which only the walk itself can move.
 class LimbChain {
  public:
   LimbChain(const Skeleton& skeleton, int joint);
@@ -33,16 +33,23 @@ class LimbChain {
     bool is_elbow = false;  // turns about its hinge only
     double ease = 1;        // of moving it against the others
     double limit_rad = 1;   // of its turn
+    int elbow = -1, wrist = -1;  // of a shoulder: the rest of its arm, see ArmRange
   };
+  /// From the joint up; the first `limb_size()` are the limb's own, the rest the trunk's.
   const std::vector<Link>& links() const { return links_; }
+  size_t limb_size() const { return limb_size_; }
+  /// The joint that the limb hangs from. @throws std::out_of_range where it is empty.
+  int base() const { return links_.at(limb_size_ - 1).joint; }
 
  private:
   std::vector<Link> links_;
+  size_t limb_size_ = 0;
 };
 
-/// Turns the joints of arms or head, no more than it takes (damped least squares) and within what they can, so that a goal is met in each frame
-/// of its span; eases in and out over a time that grows with the turn. What is out of reach stays missed.
+/// Turns the joints of arms or head, no more than it takes (damped least squares) and within what they can (ArmRange and limits of each joint), so that
+/// a goal is met in each frame of its span; eases in and out over a time that grows with the turn. What is out of reach stays missed.
 /// @param before  the clip before any goal: limits are of the turns away from that, however many goals a limb has.
-void ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip);
+/// @return how many poses were worked out on the way.
+int ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip);
 
 }  // namespace morphograph

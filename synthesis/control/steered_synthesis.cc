@@ -7,12 +7,15 @@
 #include <type_traits>
 
 #include "synthesis/unsatisfiable_request.h"
+#include "synthesis/walk_clip.h"
 
 namespace morphograph {
 namespace {
 
 constexpr int kAttempts = 4;
-constexpr double kOverFoot_m = 0.12;  // of the root from the ball of a foot that it stands over
+constexpr double kBudget = 1e6;        // of a request, in units of SteerBudget
+constexpr double kPlannedStep = 4;     // the same, of a step of a walk that is searched for, all that it was held against included
+constexpr double kLookAhead_s = 2;  // of a walk, to see which foot it lifts first
 
 // For people: "0.1234 m", "12.3 degrees".
 std::string Quantity(double value, const std::string& unit) {
@@ -90,38 +93,54 @@ double Misses(const SteeredWalk& walk) {
   return misses;
 }
 
-// Where the search has to go for foot steps: which step that will be, only a walk can say, and the last one is as good as another.
-std::vector<TimedPlace> FootstepPlaces(const ControlProblem& problem, const SteeredWalk& last) {
-  std::vector<TimedPlace> places;
-  for (const Constraint& constraint : problem.request.control.constraints) {
-    const auto* term = std::get_if<FootstepTerm>(&constraint);
-    if (!term) continue;
-    const PlantedFoot* foot = FootstepOf(*term, last.evaluation.contacts);
-    if (!foot) continue;
-    const double time = (foot->interval.first + foot->interval.last) / 2.0 / problem.frame_rate_hz;
-    places.push_back({time, term->value_m, kOverFoot_m});
+// Whether the clip of a planned walk has a planted interval of the foot that is lifted first: only its contacts can say.
+bool ShowsRearFoot(const ControlProblem& problem, const WalkPlan& plan, int side) {
+  std::vector<DrawnStep> steps;
+  double time = 0;
+  for (const WalkStep& step : plan.steps) {
+    StepShape shape = problem.graph.primitive(step.primitive).Shape(step.latent);
+    const double length = shape.duration_s * problem.frame_rate_hz;
+    steps.push_back({step, std::move(shape), time, time + length});
+    time += length;
   }
-  return places;
+  const int frames = std::min(plan.frames, static_cast<int>(kLookAhead_s * problem.frame_rate_hz));
+  const MotionClip clip = MakeWalkClip(problem.graph, steps, std::max(2, frames), problem.frame_rate_hz, problem.guide.start);
+  for (const ContactInterval& interval : DetectContacts(clip).intervals) {
+    if ((interval.foot == Foot::kLeft ? 0 : 1) == side) return interval.first < steps[0].end / 2;
+  }
+  return false;
+}
+
+// Plans a walk whose feet are put down in turn as foot steps count them.
+WalkPlan PlanSteps(ControlProblem* problem, int effort, KinematicsCache* kinematics, std::mt19937_64& rng) {
+  WalkGuide& guide = problem->guide;
+  WalkPlan plan = PlanWalk(problem->graph, guide, effort, kinematics, rng);
+  const int lifted = LandingFoot(problem->graph.primitive(plan.steps[0].primitive));
+  if (guide.feet.empty() || !guide.given.empty() || guide.from != WalkBoundary::kWalking || lifted < 0) return plan;
+  const bool shows = ShowsRearFoot(*problem, plan, lifted);
+  if (shows == (plan.first_contacts[lifted] > 1)) return plan;
+  guide.counts_rear_foot = shows;
+  return PlanWalk(problem->graph, guide, effort, kinematics, rng);
 }
 
 }  // namespace
 
 SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request, int style, double frame_rate_hz, std::mt19937_64& rng) {
   ControlProblem problem = MakeControlProblem(graph, request, style, frame_rate_hz);
-  const std::vector<TimedPlace> asked = problem.guide.places;
   KinematicsCache kinematics(graph);
   SteeredWalk best;
+  SteerBudget budget(kBudget);
   std::vector<UnmetField> too_short;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
-    const WalkPlan plan = PlanWalk(graph, problem.guide, attempt + 1, &kinematics, rng);
+    if (attempt > 0 && budget.spent()) break;
+    const WalkPlan plan = PlanSteps(&problem, attempt + 1, &kinematics, rng);
+    budget.Take(kPlannedStep * 32 * (attempt + 1) * static_cast<double>(plan.steps.size()));
     if (std::vector<UnmetField> past = MomentsPastTheEnd(problem, plan); !past.empty()) {
       too_short = std::move(past);  // another walk may take longer
       continue;
     }
-    SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics, problem.sensors ? DrawPosterior(*problem.sensors, rng) : PosteriorDraw());
+    SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics, &budget, problem.sensors ? DrawPosterior(*problem.sensors, rng) : PosteriorDraw());
     if (walk.all_met()) return walk;
-    problem.guide.places = asked;
-    for (const TimedPlace& place : FootstepPlaces(problem, walk)) problem.guide.places.push_back(place);
     if (best.outcomes.empty() || Misses(walk) < Misses(best)) best = std::move(walk);
   }
   if (best.outcomes.empty()) throw UnsatisfiableRequest(std::move(too_short));
@@ -129,7 +148,8 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   std::erase_if(best.outcomes, [](const ControlOutcome& outcome) { return outcome.met; });
   std::stable_sort(best.outcomes.begin(), best.outcomes.end(), [](const ControlOutcome& a, const ControlOutcome& b) { return InTolerances(a) > InTolerances(b); });
   std::vector<UnmetField> unmet;
-  for (const ControlOutcome& outcome : best.outcomes) unmet.push_back({outcome.pointer, Why(outcome)});
+  const std::string more = budget.spent() ? "; a request that asks for so much is tried no further" : "";
+  for (const ControlOutcome& outcome : best.outcomes) unmet.push_back({outcome.pointer, Why(outcome) + more});
   throw UnsatisfiableRequest(std::move(unmet));
 }
 

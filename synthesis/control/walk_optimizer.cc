@@ -28,6 +28,8 @@ constexpr double kHelps = 0.5, kProgress = 0.95;  // of the largest residual, fr
 // Norms of latents, in the largest of the training: how far outside of it they are likely to be moved, and how far at most.
 constexpr double kRadius = 0.02, kFarthest = 0.15;
 constexpr double kFoundTime_s = 0.02;     // deviation of the first key frame of steps that were found in readings
+constexpr double kPose = 0.3, kFrame = 1.5;  // units of SteerBudget: a pose of arms or head, a frame of a clip that is made and measured
+constexpr int kFewestIterations = 3;      // of a solution, however little is left of the budget
 constexpr double kFreeHeading_rad = 0.2;  // deviation of a start whose heading was not asked for
 
 Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
@@ -37,8 +39,8 @@ Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
 
 class Optimizer {
  public:
-  Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, const PosteriorDraw& draw)
-      : problem_(problem), graph_(problem.graph), walk_{.problem = problem, .steps = plan.steps, .places = plan.places, .along_m = plan.along_m, .frames = plan.frames} {
+  Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, SteerBudget* budget, const PosteriorDraw& draw)
+      : problem_(problem), budget_(*budget), graph_(problem.graph), walk_{.problem = problem, .steps = plan.steps, .places = plan.places, .along_m = plan.along_m, .frames = plan.frames} {
     for (size_t k = 0; k < walk_.steps.size(); ++k) {
       walk_.kinematics.push_back(kinematics->Of(walk_.steps[k]));
       walk_.latents.push_back(walk_.steps[k].whitened);
@@ -78,7 +80,7 @@ class Optimizer {
       // While rounds still help by themselves, and in long walks at first, what is missing is only that clips are not what the steps alone say.
       const bool helps = round == 0 ? walk_.steps.size() > 2 * kShortWalk : worst < kHelps * before;
       const bool tightened = !helps && Tighten();
-      if (least <= 1 || (round > 0 && !helps && !tightened && worst > kProgress * before)) break;
+      if (least <= 1 || budget_.spent() || (round > 0 && !helps && !tightened && worst > kProgress * before)) break;
       TakeOverPlaces();
     }
     return best;
@@ -135,7 +137,8 @@ class Optimizer {
     RestrictLatents(terms.directions(), &problem);
     ceres::Solver::Options options;
     options.linear_solver_type = ceres::SPARSE_NORMAL_CHOLESKY;
-    options.max_num_iterations = iterations;
+    const double work = problem.NumResidualBlocks() + terms.work();
+    options.max_num_iterations = std::clamp(static_cast<int>(std::max(0.0, budget_.left()) / work), std::min(iterations, kFewestIterations), iterations);
     options.function_tolerance = 1e-3;
     options.trust_region_strategy_type = ceres::DOGLEG;  // shortens steps for which the places of key frames are too stiff
     options.initial_trust_region_radius = 300 * std::max(1.0, std::pow(static_cast<double>(walk_.steps.size()) / kShortWalk, 1.5));
@@ -143,6 +146,7 @@ class Optimizer {
     options.logging_type = ceres::SILENT;
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
+    budget_.Take(work * static_cast<double>(summary.iterations.size()));
     KeepBelievable();
   }
 
@@ -188,7 +192,7 @@ class Optimizer {
     walk_.made.keyframe_times_s.clear();
     for (const DrawnStep& step : walk_.made.walk.steps) walk_.made.keyframe_times_s.push_back(step.start / walk_.rate());
     walk_.made.keyframe_times_s.push_back(walk_.made.walk.steps.back().end / walk_.rate());
-    ApplyPoseGoals(problem_, walk_.made.keyframe_times_s, &walk_.made.clip);
+    budget_.Take(kPose * ApplyPoseGoals(problem_, walk_.made.keyframe_times_s, &walk_.made.clip) + kFrame * walk_.frames);
     walk_.made.evaluation = EvaluateClip(walk_.made.clip);
     walk_.made.outcomes = MeasureControls(problem_, walk_.made.keyframe_times_s, {walk_.made.clip, walk_.made.evaluation.contacts});
   }
@@ -251,6 +255,7 @@ class Optimizer {
   }
 
   const ControlProblem& problem_;
+  SteerBudget& budget_;
   const MotionGraph& graph_;
   WalkState walk_;
   std::vector<StepInnovation> innovations_;
@@ -275,8 +280,8 @@ PosteriorDraw DrawPosterior(const SensorGuide& sensors, std::mt19937_64& rng) {
   return draw;
 }
 
-SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, const PosteriorDraw& draw) {
-  return Optimizer(problem, plan, kinematics, draw).Run();
+SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, SteerBudget* budget, const PosteriorDraw& draw) {
+  return Optimizer(problem, plan, kinematics, budget, draw).Run();
 }
 
 }  // namespace morphograph

@@ -3,10 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/walk_prior.h"
+#include "synthesis/draw_index.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
 #include "synthesis/walk_rules.h"
@@ -15,7 +17,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kBeamWidth = 8;
-constexpr int kFirstDraws = 16;
+constexpr int kFirstDraws = 24;
 constexpr int kDraws = 4;        // successors of each walk in the beam; half of them are bent towards what is asked
 constexpr int kEndDraws = 2;     // of them that stop
 constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its last cross-fade and for steps that grow shorter
@@ -28,6 +30,11 @@ constexpr double kBack_m = 0.2;   // that a way may lead back along a path
 constexpr size_t kMostRows = 24;  // that a step is bent by
 constexpr double kAhead_m = 0.2;  // where the path leads there is where the body should turn to
 constexpr double kClearance_m = 0.3;  // of the root from areas kept out of: feet and sway need room
+constexpr double kShortestStretch_m = 0.1;
+constexpr int kMostLags[] = {2, 4, 10};  // steps that walks may take without coming a stretch of the way farther: those that dawdle are taken only where there are no others
+constexpr double kFoot_m = 0.1;        // of a foot that is put down, and more for every step until then
+constexpr double kHalfWidth_m = 0.08;  // of a walk: feet from the way of the root
+constexpr double kShortestContact_s = 0.12;  // that counts, see ContactOptions
 constexpr double kStopSearch_m = 2.5, kStopSearch_s = 3;
 
 double Square(double value) { return value * value; }
@@ -46,6 +53,8 @@ struct Node {
   double cost = 0;            // of what has been walked
   double estimate = 0;        // of what lies ahead
   int steps = 1;
+  int lags = 0;               // steps since it last came a stretch of the way farther
+  int contacts[2] = {0, 0};   // planted intervals that each foot has begun by the step's end
   double end_s = 0;           // of the clip, once the walk is over
 };
 using Walk = std::shared_ptr<const Node>;
@@ -56,18 +65,19 @@ class Search {
       : graph_(graph), guide_(guide), effort_(effort), kinematics_(*kinematics), rng_(rng) {}
 
   WalkPlan Run() {
-    std::vector<Walk> beam;
-    if (!guide_.given.empty()) {
-      Given(&beam);
+    std::vector<Walk> start;
+    if (guide_.given.empty()) {
+      std::vector<Node> first;
+      for (int i = 0; i < effort_ * kFirstDraws; ++i) first.push_back(First());
+      if (!SpeaksOfSpeed()) KeepOneSpeed(&first);
+      for (Node& node : first) Admit(std::move(node), &start);
     } else {
-      for (int i = 0; i < effort_ * kFirstDraws; ++i) Admit(First(), &beam);
-      Keep(&beam);
+      Given(&start);
     }
-    for (int depth = static_cast<int>(guide_.given.size()) + 1; !beam.empty() && depth < StepLimit(); ++depth) {
-      std::vector<Walk> next;
-      for (const Walk& walk : beam) Expand(walk, &next);
-      Keep(&next);
-      beam = std::move(next);
+    stretch_m_ = 0;
+    for (const Walk& walk : start) stretch_m_ += (walk->next.head<2>() - walk->place.head<2>()).norm() / static_cast<double>(start.size());
+    for (const int most_lags : kMostLags) {
+      if (!finished_) Follow(start, most_lags);
     }
     if (!finished_) Fail();
     return Plan(finished_);
@@ -83,6 +93,45 @@ class Search {
   }
 
   bool stops() const { return guide_.to != WalkBoundary::kWalking; }
+
+  // Follows walks until all are over.
+  void Follow(const std::vector<Walk>& start, int most_lags) {
+    std::map<int, std::vector<Walk>> beams;  // walks are held against those that are as far
+    for (const Walk& walk : start) beams[Stage(*walk)].push_back(walk);
+    while (!beams.empty()) {
+      std::vector<Walk> beam = std::move(beams.begin()->second), next;
+      beams.erase(beams.begin());
+      Keep(&beam);
+      for (const Walk& walk : beam) {
+        if (walk->steps < StepLimit() && walk->lags <= most_lags) Expand(walk, &next);
+      }
+      for (Walk& walk : next) beams[Stage(*walk)].push_back(std::move(walk));
+    }
+  }
+
+  // Whether a walk takes as many steps as it needs to the path's end.
+  bool GoesTheWay() const { return guide_.path && !guide_.duration_s && !guide_.steps; }
+
+  // How far a walk is: by steps, or where it takes as many as it needs, by stretches of the way as long as a step. There, held against those that took as many
+  // steps, a walk that waits before a bend would win over one that has been through it.
+  int Stage(const Node& node) const { return GoesTheWay() ? static_cast<int>(node.along / std::max(stretch_m_, kShortestStretch_m)) : node.steps; }
+
+  // Whether what is asked says anything about how fast to walk.
+  bool SpeaksOfSpeed() const { return guide_.duration_s || guide_.steps || !guide_.speeds.empty() || !guide_.places.empty() || !guide_.headings.empty() || !guide_.feet.empty(); }
+
+  // Leaves the half of the walks that begin about as fast as one of them, which is drawn. A beam would always prefer slow walks: small steps deviate
+  // little from anything. Walks are drawn as often as they are met at a time; where a way is given, and not how long it takes, they are to be had as
+  // often as they are met on the way.
+  void KeepOneSpeed(std::vector<Node>* walks) {
+    const auto speed = [](const Node& node) { return (node.next.head<2>() - node.place.head<2>()).norm() / (node.next[kPlaceTime] - node.place[kPlaceTime]); };
+    std::vector<double> speeds;
+    for (const Node& node : *walks) speeds.push_back(speed(node));
+    const int drawn = DrawIndex(speeds, rng_);
+    if (drawn < 0) return;
+    const double reference = speeds[static_cast<size_t>(drawn)];
+    std::stable_sort(walks->begin(), walks->end(), [&](const Node& a, const Node& b) { return std::abs(speed(a) - reference) < std::abs(speed(b) - reference); });
+    walks->resize((walks->size() + 1) / 2);
+  }
 
   int StepLimit() const {
     if (guide_.steps) return *guide_.steps + 1;
@@ -105,6 +154,7 @@ class Search {
       const Eigen::Vector2d wanted = guide_.path->At(std::min(guide_.path->length_m(), moved.norm())) - node.place.head<2>();
       if (moved.norm() > 0.05 && wanted.norm() > 0.05) node.place[kPlaceHeading] += SignedAngle(HeadingOfDirection(wanted), HeadingOfDirection(moved));
     }
+    CountFirstContacts(&node);
     SetDown(&node);
     return node;
   }
@@ -135,12 +185,68 @@ class Search {
       node.along = walk ? walk->along : 0;
       node.cost = walk ? walk->cost : 0;
       node.steps = walk ? walk->steps + 1 : 1;
+      if (walk) {
+        CountContacts(*walk, &node);
+      } else {
+        CountFirstContacts(&node);
+      }
       SetDown(&node);
       if (const auto end_s = EndOf(node)) return End(std::move(node), *end_s);
       walk = std::make_shared<const Node>(std::move(node));
     }
     walks->push_back(walk);
   }
+
+  // Which foot stands as a walk begins: from a stand both; inside a walk the one that has just been put down, and maybe the one behind it.
+  void CountFirstContacts(Node* node) const {
+    const MotionPrimitive& primitive = graph_.primitive(node->step.primitive);
+    const int lands = LandingFoot(primitive);
+    if (guide_.from != WalkBoundary::kWalking || lands < 0) {
+      node->contacts[0] = node->contacts[1] = 1;
+    } else {
+      node->contacts[1 - lands] = 1;
+      node->contacts[lands] = guide_.counts_rear_foot.value_or(StandsOn(primitive, lands, primitive.Shape(node->step.latent).duration_s)) ? 1 : 0;
+    }
+    if (lands >= 0) ++node->contacts[lands];
+  }
+
+  void CountContacts(const Node& before, Node* node) const {
+    std::copy(before.contacts, before.contacts + 2, node->contacts);
+    if (const int lands = LandingFoot(graph_.primitive(node->step.primitive)); lands >= 0) ++node->contacts[lands];
+  }
+
+  // Whether a foot stays planted after the step's first key frame for long enough to count.
+  static bool StandsOn(const MotionPrimitive& primitive, int side, double duration_s) {
+    for (Eigen::Index s = 0; s < kPhaseSamples; ++s) {
+      const double phase = PhaseOfSample(static_cast<int>(s));
+      const double chance = std::max(primitive.contacts(kPlantedChance + 2 * side, s), primitive.contacts(kPlantedChance + 2 * side + 1, s));
+      if (phase > 0 && chance < 0.5) return phase * duration_s > kShortestContact_s;
+    }
+    return true;
+  }
+
+  // Where a foot will be put down whose turn comes, if the walk goes on as in this step; nothing where it has been put down before.
+  struct Landing {
+    Eigen::Vector2d position_m;
+    double steps = 0;  // until then, from the step's end
+    Eigen::Vector2d way_m;  // from there
+  };
+  std::optional<Landing> LandingOf(const FootPlace& foot, const Node& node, const Eigen::Vector2d& begin, const Eigen::Vector2d& end) const {
+    const int side = foot.left ? 0 : 1;
+    const int landings = foot.index + 1 - node.contacts[side];
+    const bool is_its_turn = LandingFoot(graph_.primitive(node.step.primitive)) == side;  // that was over with this step
+    if (landings < 0 || (landings == 0 && !is_its_turn)) return std::nullopt;
+    const Eigen::Vector2d step = end - begin;
+    const double length = step.norm();
+    Landing landing;
+    landing.steps = landings == 0 ? 0 : is_its_turn ? 2 * landings : 2 * landings - 1;
+    // At a key frame the foot is half a step ahead of the root.
+    landing.way_m = (landing.steps + 0.5) * step;
+    if (length > 1e-6) landing.way_m += (side == 0 ? 1 : -1) * kHalfWidth_m / length * Eigen::Vector2d(step.y(), -step.x());
+    landing.position_m = end + landing.way_m;
+    return landing;
+  }
+  static double FootDeviation(const Landing& landing) { return kFoot_m * (1 + 0.5 * landing.steps); }
 
   // Bends a drawn step towards what is asked: the most likely change of its latent, were its prior N(0, I) about what was drawn and the terms
   // known to within the search's deviations. Turns are rare among draws, and a path that asks for one should not have to wait for it.
@@ -179,6 +285,14 @@ class Search {
       const double still = wanted.time_s - next.value[kPlaceTime];
       if (still < -duration || still > kBendAhead_s || rows.size() >= kMostRows) continue;
       add(SignedAngle(next.value[kPlaceHeading], wanted.heading_rad), next.by_latent.row(kPlaceHeading), kGoalHeading + 0.3 * std::max(0.0, still));
+    }
+    for (const FootPlace& foot : guide_.feet) {
+      const auto landing = LandingOf(foot, *node, node->place.head<2>(), end);
+      if (!landing || landing->steps * duration > kBendAhead_s || rows.size() + 2 > kMostRows) continue;
+      const Eigen::Matrix2Xd by_latent = (1.5 + landing->steps) * next.by_latent.topRows<2>() +
+                                         Eigen::Vector2d(landing->way_m.y(), -landing->way_m.x()) * next.by_latent.row(kPlaceHeading);
+      const Eigen::Vector2d miss = landing->position_m - foot.position_m;
+      for (int axis = 0; axis < 2; ++axis) add(miss[axis], by_latent.row(axis), FootDeviation(*landing));
     }
     if (rows.empty()) return;
     Eigen::MatrixXd by_latent(static_cast<Eigen::Index>(rows.size()), rows[0].size());
@@ -240,6 +354,10 @@ class Search {
         const double there = node.place[kPlaceHeading] + t * SignedAngle(node.next[kPlaceHeading], node.place[kPlaceHeading]);
         return Square(SignedAngle(there, wanted.heading_rad) / (kGoalHeading + 0.3 * still));
       });
+    }
+    for (const FootPlace& foot : guide_.feet) {
+      const auto landing = LandingOf(foot, node, begin, end);
+      if (landing) (landing->steps > 0 ? node.estimate : node.cost) += ((landing->position_m - foot.position_m) / FootDeviation(*landing)).squaredNorm();
     }
     for (const FloorArea& area : guide_.keep_out) {
       for (const Eigen::Vector2d& point : {middle, end}) node.cost += Square(std::max(0.0, area.Depth(point) + kClearance_m) / 0.1);
@@ -321,13 +439,26 @@ class Search {
     node.along = walk->along;
     node.cost = walk->cost;
     node.steps = walk->steps + 1;
+    CountContacts(*walk, &node);
     if (bend) Bend(&node);
     SetDown(&node);
+    node.lags = GoesTheWay() && Stage(node) <= Stage(*walk) ? walk->lags + 1 : 0;
     return node;
   }
 
   void Keep(std::vector<Walk>* beam) const {
-    std::stable_sort(beam->begin(), beam->end(), [](const Walk& a, const Walk& b) { return a->cost + a->estimate < b->cost + b->estimate; });
+    // Of walks on the same stretch of the way those that have come farther have less before them: it costs as much as what lies behind has cost so far.
+    double per_metre = 0;
+    if (GoesTheWay()) {
+      double cost = 0, along = 0;
+      for (const Walk& walk : *beam) {
+        cost += walk->cost;
+        along += walk->along;
+      }
+      if (along > 0) per_metre = cost / along;
+    }
+    const auto total = [&](const Walk& walk) { return walk->cost + walk->estimate - per_metre * walk->along; };
+    std::stable_sort(beam->begin(), beam->end(), [&](const Walk& a, const Walk& b) { return total(a) < total(b); });
     const auto width = static_cast<size_t>(effort_ * kBeamWidth);
     if (beam->size() > width) beam->resize(width);
   }
@@ -365,6 +496,9 @@ class Search {
       plan.places.push_back(node->place);
       plan.along_m.push_back(node->before ? node->before->along : 0);
     }
+    const Node* first = walk.get();
+    while (first->before) first = first->before.get();
+    std::copy(first->contacts, first->contacts + 2, plan.first_contacts);
     std::reverse(plan.steps.begin(), plan.steps.end());
     std::reverse(plan.places.begin(), plan.places.end());
     std::reverse(plan.along_m.begin(), plan.along_m.end());
@@ -376,6 +510,7 @@ class Search {
   int effort_;
   KinematicsCache& kinematics_;
   std::mt19937_64& rng_;
+  double stretch_m_ = 0;  // of the way, see Stage
   Walk finished_;  // the best of those that are over
 };
 
@@ -389,6 +524,10 @@ KeyframePlace PlaceBefore(const StepKinematics& step, const Eigen::VectorXd& whi
   place[kPlaceX] = root[kPlaceX] - (c * there[0] + s * there[1]);
   place[kPlaceZ] = root[kPlaceZ] - (-s * there[0] + c * there[1]);
   return place;
+}
+
+int LandingFoot(const MotionPrimitive& primitive) {
+  return primitive.end == KeyframeLabel::kLeftStance ? 0 : primitive.end == KeyframeLabel::kRightStance ? 1 : -1;
 }
 
 double SpeedAt(const std::vector<SpeedTerm::Knot>& profile, double time_s) {

@@ -23,6 +23,13 @@ struct TimedHeading {
   double heading_rad = 0;
 };
 
+/// A foot is to be put down at a place: in its index-th planted interval.
+struct FootPlace {
+  bool left = true;
+  int index = 0;
+  Eigen::Vector2d position_m = Eigen::Vector2d::Zero();
+};
+
 /// What the search over the graph is guided by.
 struct WalkGuide {
   int style = 0;
@@ -44,6 +51,9 @@ struct WalkGuide {
   // Steps that the walk begins with, and when the first of them begins; the search goes on from the last. A clip that begins inside of a step begins at `start`.
   std::vector<WalkStep> given;
   double given_from_s = 0;  // 0 or less
+  std::vector<FootPlace> feet;
+  /// Whether a clip that begins inside a walk counts as planted the foot that is about to be lifted; as the primitive's contacts have it, where empty.
+  std::optional<bool> counts_rear_foot;
 };
 
 /// A legal walk over the graph, set down on the floor.
@@ -52,7 +62,11 @@ struct WalkPlan {
   std::vector<KeyframePlace> places;  // one more than steps: where each begins, and where the last ends
   std::vector<double> along_m;        // the same, on the guide's path
   int frames = 0;                     // of the clip; where the walk stops, its last step's margin is the end
+  int first_contacts[2] = {0, 0};     // planted intervals of left and right foot that are taken to have begun before the first step ends
 };
+
+/// The foot that a step puts down at its end; -1 for steps that come to a stand.
+int LandingFoot(const MotionPrimitive& primitive);
 
 /// Makes StepKinematics once for every primitive and component of a style.
 class KinematicsCache {

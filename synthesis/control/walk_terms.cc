@@ -18,6 +18,8 @@ constexpr double kArrival_s = 0.01;
 constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
 constexpr double kReachSpare_m = 0.02;   // past what an arm did not reach
 constexpr bool kAllAxes[3] = {true, true, true};
+constexpr double kWholePose = 12;        // units of SteerBudget: a term that needs a joint of a whole pose
+constexpr double kRootMargin_m = 0.02;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
 
@@ -33,7 +35,8 @@ void WalkTerms::AddAll() {
 }
 
 // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
-void WalkTerms::Add(StepResidual* residual, size_t step) {
+void WalkTerms::Add(StepResidual* residual, size_t step, double work) {
+  work_ += work;
   equations_->AddResidualBlock(residual, nullptr, walk_.latents[step].data(), walk_.places[step].data());
   const Eigen::MatrixXd rows = residual->ByLatent(walk_.latents[step], walk_.places[step]);
   for (Eigen::Index r = 0; r < rows.rows(); ++r) directions_[step].push_back(rows.row(r));
@@ -55,7 +58,7 @@ void WalkTerms::AddJoint(const Moment& at, const ResolvedJoint& joint, const Eig
                          const std::optional<Eigen::Vector3d>& measured) {
   Eigen::Vector3d* offset = NewOffset();
   if (measured) *offset = *measured - walk_.kinematics[at.step]->Joint(*joint.chain, at.moment, walk_.latents[at.step], walk_.places[at.step]).position_m;
-  Add(new JointPositionResidual(walk_.kinematics[at.step], joint.chain, at.moment, target, deviation, offset), at.step);
+  Add(new JointPositionResidual(walk_.kinematics[at.step], joint.chain, at.moment, target, deviation, offset), at.step, kWholePose);
 }
 
 void WalkTerms::AddPathAndGoal() {
@@ -147,7 +150,7 @@ void WalkTerms::AddTerm(const PositionTerm& term, const std::vector<ResolvedJoin
 
 void WalkTerms::AddTerm(const OrientationTerm& term, const std::vector<ResolvedJoint>& joints) {
   const Moment at = walk_.MomentOf(term.at);
-  Add(new JointOrientationResidual(walk_.kinematics[at.step], joints[0].chain, at.moment, term.value, kTight * term.tolerance_rad), at.step);
+  Add(new JointOrientationResidual(walk_.kinematics[at.step], joints[0].chain, at.moment, term.value, kTight * term.tolerance_rad), at.step, kWholePose);
 }
 
 void WalkTerms::AddTerm(const TrajectoryTerm& term, const std::vector<ResolvedJoint>& joints) {
@@ -180,13 +183,13 @@ void WalkTerms::AddTerm(const KeepOutTerm& term, const std::vector<ResolvedJoint
   for (size_t k = 0; k < walk_.steps.size() && walk_.places[k][kPlaceTime] <= walk_.EndTime(); ++k) {
     if (area.Depth(walk_.places[k].head<2>()) < -kAreaReach_m && area.Depth(walk_.places[k + 1].head<2>()) < -kAreaReach_m) continue;
     for (const double phase : {0.0, 0.25, 0.5, 0.75}) {
-      const auto add = [&](const ResolvedJoint* joint) {
-        Add(new KeepOutResidual(walk_.kinematics[k], joint ? joint->chain : nullptr, {false, phase}, term, joint ? kFootMargin_m : 0.02, 0.005), k);
+      const auto add = [&](const ResolvedJoint* joint, double margin_m) {
+        Add(new KeepOutResidual(walk_.kinematics[k], joint ? joint->chain : nullptr, {false, phase}, term, margin_m, 0.005), k, joint ? kWholePose : 1);
       };
-      add(nullptr);
+      add(nullptr, kRootMargin_m);
       for (int side = 0; side < 2; ++side) {
-        add(&problem_.ball[side]);
-        add(&problem_.heel[side]);
+        add(&problem_.ball[side], std::max(kFootMargin_m, problem_.toes_m[side].norm() + kRootMargin_m));
+        add(&problem_.heel[side], kFootMargin_m);
       }
     }
   }
@@ -197,7 +200,7 @@ void WalkTerms::AddTerm(const LookAtTerm& term, const std::vector<ResolvedJoint>
   const int count = std::max(1, static_cast<int>(std::ceil((term.to_s - term.from_s) / spacing)));
   for (int i = 0; i <= count; ++i) {
     const Moment at = walk_.MomentOfTime(term.from_s + (term.to_s - term.from_s) * i / count);
-    Add(new LookAtResidual(walk_.kinematics[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, std::max(sternness_.loose_part * kLooseLook_rad, sternness_.mean_part * term.tolerance_rad)), at.step);
+    Add(new LookAtResidual(walk_.kinematics[at.step], problem_.head.chain, at.moment, problem_.head_forward, term.value_m, std::max(sternness_.loose_part * kLooseLook_rad, sternness_.mean_part * term.tolerance_rad)), at.step, kWholePose);
   }
 }
 

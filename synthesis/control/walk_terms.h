@@ -32,12 +32,14 @@ class WalkTerms {
   void AddAll();
   /// What the terms say of a step's latent: rows in whose span it has to be able to move, by step.
   const std::vector<std::vector<Eigen::RowVectorXd>>& directions() const { return directions_; }
+  /// What it takes to evaluate all terms once, in units of SteerBudget.
+  double work() const { return work_; }
 
  private:
   using Moment = WalkState::Moment;
 
   // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
-  void Add(StepResidual* residual, size_t step);
+  void Add(StepResidual* residual, size_t step, double work = 1);
   Eigen::Vector3d* NewOffset();
   void AddRoot(const Moment& at, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation);
   void AddJoint(const Moment& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const Eigen::Vector3d& deviation,
@@ -61,6 +63,7 @@ class WalkTerms {
   ceres::Problem* equations_;
   std::list<Eigen::Vector3d> offsets_;
   std::vector<std::vector<Eigen::RowVectorXd>> directions_;
+  double work_ = 0;
 };
 
 }  // namespace morphograph

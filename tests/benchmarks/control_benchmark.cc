@@ -24,16 +24,26 @@
 #include "datasets/forward_kinematics.h"
 #include "datasets/quantile.h"
 #include "graph/model_io.h"
+#include "graph/recorded_motion.h"
 #include "synthesis/control/floor_path.h"
 #include "synthesis/control/walk_prior.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/set_quality.h"
+#include "tests/benchmarks/piece_quality.h"
 
 namespace {
 
 using morphograph::SynthesisRequest;
 using morphograph::SynthesisResult;
 using Rng = std::mt19937_64;
+using morphograph::bench::MeanQuality;
+using morphograph::bench::MeasurePieces;
+using morphograph::bench::MeansByStyle;
+using morphograph::bench::PieceQuality;
+
+constexpr std::uint64_t kOtherSeeds = 5000;  // added, for walks that do not know of each other
+
+double Degrees(double rad) { return rad * 180 / M_PI; }
 
 double Uniform(double low, double high, Rng& rng) { return boost::random::uniform_real_distribution<double>(low, high)(rng); }
 
@@ -77,7 +87,10 @@ class Requests {
     request.seed = static_cast<std::uint64_t>(i);
     if (!styles_.empty()) request.style = styles_[static_cast<size_t>(i) % styles_.size()];
     const auto [slow, fast] = styles_.empty() ? std::pair(1.0, 1.4) : speeds_[*request.style];
-    if (kind == "path") {
+    if (kind == "free") {  // nothing: what chance does
+      request.duration_s = 10;
+      request.seed += kOtherSeeds;
+    } else if (kind == "path") {
       request.control.path = {.points_m = RandomLine(10 * (slow + fast) / 2, rng_), .smooth = true};
     } else if (kind == "polyline") {
       request.control.path = {.points_m = {{0, 0}, {2, 0}, {4, 3}}};
@@ -128,7 +141,7 @@ class Requests {
   Eigen::Vector2d Direction(double range) { return morphograph::DirectionOfHeading(Uniform(-range, range, rng_)); }
 
   SynthesisResult Other(SynthesisRequest request) const {
-    request.seed += 5000;
+    request.seed += kOtherSeeds;
     return Synthesize(graph_, request);
   }
 
@@ -178,13 +191,65 @@ struct Tally {
   std::map<std::string, std::string> units;
 };
 
-void Run(const morphograph::MotionGraph& graph, const std::string& kind, int count, std::uint64_t seed, const std::string& out) {
+// What the model was learned from, where it keeps that.
+std::vector<PieceQuality> CapturedPieces(const morphograph::MotionGraph& graph) {
+  if (!graph.recordings()) return {};
+  return MeasurePieces(RecordedClips(*graph.recordings(), graph.layout(), graph.styles()[0].mean_rotations));
+}
+
+// How steered clips move, beside clips of the same styles that were told nothing, and these beside others of other seeds: what is chance.
+void PrintQuality(const std::vector<morphograph::MotionClip>& steered, const std::vector<morphograph::MotionClip>& free,
+                  const std::vector<morphograph::MotionClip>& other, const std::vector<int>& requests, const std::vector<PieceQuality>& captured) {
+  const morphograph::SetQuality a = MeasureSet(steered), b = MeasureSet(free), c = MeasureSet(other);
+  std::printf("  steered / not: contact %.2f (%.2f mm), skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
+              a.contact_distance_m / b.contact_distance_m, 1000 * a.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
+              a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3, a.min_knee_flexion_deg, b.min_knee_flexion_deg);
+  std::printf("  other seeds, not steered / not: contact %.2f, skate %.2f, naturalness %.2f, acceleration %.2f\n", c.contact_distance_m / b.contact_distance_m,
+              c.foot_skate_cm_s / b.foot_skate_cm_s, c.naturalness / b.naturalness, c.acceleration_p999_m_s2 / b.acceleration_p999_m_s2);
+  constexpr double kStraight_rad = 0.35, kTurn_rad = 0.7, kAny = 100;
+  const std::vector<PieceQuality> pieces = MeasurePieces(steered);
+  const auto of_steered = MeansByStyle(pieces, 0, kAny), of_free = MeansByStyle(MeasurePieces(free), 0, kAny);
+  const auto of_straight = MeansByStyle(captured, 0, kStraight_rad), of_turns = MeansByStyle(captured, kTurn_rad, kAny);
+  MeanQuality straight, turns;  // sums, each style as often as among the steered pieces
+  for (const auto& [style, s] : of_steered) {
+    const MeanQuality& f = of_free.at(style);
+    std::printf("    %-10s turns %.0f (%.0f) deg, %.2f (%.2f) m/s, contact %.2f (%.2f mm), skate %.2f, naturalness %.2f", style.c_str(), Degrees(s.turn_rad), Degrees(f.turn_rad), s.speed_m_s,
+                f.speed_m_s, s.contact_m / f.contact_m, 1000 * s.contact_m, s.skate_cm_s / f.skate_cm_s, s.naturalness / f.naturalness);
+    if (of_straight.contains(style) && of_turns.contains(style)) {
+      const MeanQuality &a_line = of_straight.at(style), &a_turn = of_turns.at(style);
+      std::printf("; captured turns of %.0f / walks of %.0f deg: contact %.2f, skate %.2f, naturalness %.2f", Degrees(a_turn.turn_rad), Degrees(a_line.turn_rad), a_turn.contact_m / a_line.contact_m,
+                  a_turn.skate_cm_s / a_line.skate_cm_s, a_turn.naturalness / a_line.naturalness);
+      straight.Add(a_line, s.pieces);
+      turns.Add(a_turn, s.pieces);
+    }
+    std::printf("\n");
+  }
+  if (straight.pieces > 0) {
+    std::printf("  captured turns / straight walks, styles as often as here: contact %.2f, skate %.2f, naturalness %.2f\n", turns.contact_m / straight.contact_m, turns.skate_cm_s / straight.skate_cm_s,
+                turns.naturalness / straight.naturalness);
+  }
+  const auto worst = [&](const char* what, auto value) {
+    std::vector<PieceQuality> sorted = pieces;
+    std::stable_sort(sorted.begin(), sorted.end(), [&](const PieceQuality& x, const PieceQuality& y) { return value(x) > value(y); });
+    std::printf("    most %s, parts of all:", what);
+    double sum = 0;
+    for (const PieceQuality& piece : pieces) sum += value(piece);
+    for (size_t i = 0; i < std::min<size_t>(5, sorted.size()); ++i)
+      std::printf(" %.2f (request %d, %s, turns %.0f deg)", value(sorted[i]) / sum, requests[static_cast<size_t>(sorted[i].clip)], sorted[i].style.c_str(), Degrees(sorted[i].turn_rad));
+    std::printf("\n");
+  };
+  worst("contact distance", [](const PieceQuality& piece) { return piece.contact_m; });
+  worst("naturalness", [](const PieceQuality& piece) { return piece.naturalness; });
+}
+
+void Run(const morphograph::MotionGraph& graph, const std::string& kind, int count, std::uint64_t seed, const std::string& out,
+         const std::vector<PieceQuality>& captured_pieces) {
   Requests requests(graph, seed);
   Tally tally;
   const auto captured = CapturedLikelihoods(graph);
   std::vector<double> ms, path_mean, path_95, ranks;
-  std::vector<morphograph::MotionClip> clips, free;
-  std::map<std::string, int> failures;
+  std::vector<morphograph::MotionClip> clips, free, other;
+  std::vector<int> numbers;  // of the requests that were met
   int met = 0;
   for (int i = 0; i < count; ++i) {
     const SynthesisRequest request = requests.Make(kind, i);
@@ -218,11 +283,19 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
       unsteered.style = request.style;
       unsteered.duration_s = result.report.duration_s;
       free.push_back(Synthesize(graph, unsteered).clip);
+      unsteered.seed += 2 * kOtherSeeds;
+      other.push_back(Synthesize(graph, unsteered).clip);
+      numbers.push_back(i);
       clips.push_back(std::move(result.clip));
     } catch (const morphograph::UnsatisfiableRequest& unmet) {
       ms.push_back(1e3 * static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
       for (const auto& field : unmet.unmet()) {
-        if (failures[field.pointer]++ < 2) std::printf("  %d: %s %s\n", i, field.pointer.c_str(), field.detail.c_str());
+        std::printf("  %d: %s %s", i, field.pointer.c_str(), field.detail.c_str());
+        if (kind == "wrist") {
+          const auto& term = std::get<morphograph::PositionTerm>(request.control.constraints[0]);
+          std::printf("; asked for [%.3f, %.3f, %.3f] at %.2f s", term.value_m.x(), term.value_m.y(), term.value_m.z(), *term.at.time_s);
+        }
+        std::printf("\n");
       }
     }
   }
@@ -240,12 +313,7 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
     std::printf("  distance from path: median over clips of the mean %.2f cm, of 95 %% %.2f cm; worst clip %.2f, %.2f\n", 100 * morphograph::Quantile(path_mean, 0.5),
                 100 * morphograph::Median(path_95), 100 * morphograph::Quantile(path_mean, 1), 100 * morphograph::Quantile(path_95, 1));
   }
-  if (clips.size() >= 5) {
-    const morphograph::SetQuality a = MeasureSet(clips), b = MeasureSet(free);
-    std::printf("  steered / not: contact %.2f (%.2f mm), skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
-                a.contact_distance_m / b.contact_distance_m, 1000 * a.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
-                a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3, a.min_knee_flexion_deg, b.min_knee_flexion_deg);
-  }
+  if (clips.size() >= 5) PrintQuality(clips, free, other, numbers, captured_pieces);
 }
 
 }  // namespace
@@ -264,7 +332,8 @@ int main(int argc, char** argv) {
   CLI11_PARSE(app, argc, argv);
   try {
     const auto graph = morphograph::LoadModel(model);
-    for (const std::string& kind : kinds) Run(*graph, kind, count, seed, out);
+    const std::vector<PieceQuality> captured = CapturedPieces(*graph);
+    for (const std::string& kind : kinds) Run(*graph, kind, count, seed, out, captured);
   } catch (const std::exception& error) {
     std::fprintf(stderr, "control_benchmark: %s\n", error.what());
     return 1;

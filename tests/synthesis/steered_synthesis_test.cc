@@ -10,6 +10,7 @@
 #include "graph/model_io.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/floor_path.h"
+#include "synthesis/control/walk_optimizer.h"
 #include "synthesis/motion_synthesizer.h"
 
 namespace morphograph {
@@ -115,6 +116,52 @@ TEST(SteeredSynthesis, PutsAHandAndAFootWhereAsked) {
   EXPECT_GT(index, 3);
 }
 
+double MeanSpeed(const SynthesisResult& result) {
+  double way = 0;
+  for (size_t f = 10; f < result.report.path_m.size(); f += 10) way += (result.report.path_m[f] - result.report.path_m[f - 10]).norm();
+  return way / result.report.duration_s;
+}
+
+// The search begins with the foot that comes down there in turn: steps are not stretched to be one step ahead.
+TEST(SteeredSynthesis, PutsFeetDownInTurn) {
+  double steered = 0, free = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    SynthesisRequest request = Request(seed);
+    request.duration_s = 5;
+    free += MeanSpeed(Synthesize(Model(), request));
+    request.seed += 100;
+    const SynthesisResult other = Synthesize(Model(), request);
+    request.seed = seed;
+    FootstepTerm step{.left = true, .index = 3, .value_m = Eigen::Vector2d::Zero(), .tolerance_m = 0.02};
+    int index = 0;
+    for (const PlantedFoot& foot : other.report.contacts) {
+      if (foot.interval.foot == Foot::kLeft && index++ == 3) step.value_m = foot.position_m;
+    }
+    request.control.constraints = {step};
+    const SynthesisResult result = Synthesize(Model(), request);
+    ExpectAllMet(result, 1);
+    steered += MeanSpeed(result);
+    EXPECT_NEAR(MeanSpeed(result) / MeanSpeed(other), 1, 0.25) << "seed " << seed;
+  }
+  EXPECT_NEAR(steered / free, 1, 0.06);
+}
+
+// Held against walks that took as many steps, one that waits before a bend would win; walkers of a style do not.
+TEST(SteeredSynthesis, WalksAroundCornersAsFastAsElsewhere) {
+  double steered = 0, free = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6}) {
+    SynthesisRequest request = Request(seed);
+    request.control.path = PathTerm{.points_m = {{0, 0}, {2, 0}, {4, 3}}};
+    const SynthesisResult result = Synthesize(Model(), request);
+    steered += MeanSpeed(result);
+    request.control.path.reset();
+    request.duration_s = result.report.duration_s;
+    free += MeanSpeed(Synthesize(Model(), request));
+  }
+  EXPECT_GT(steered / free, 0.85);
+  EXPECT_LT(steered / free, 1.1);
+}
+
 TEST(SteeredSynthesis, KeepsOutOfAreas) {
   SynthesisRequest request = Request(3);
   KeepOutTerm area;
@@ -124,13 +171,77 @@ TEST(SteeredSynthesis, KeepsOutOfAreas) {
   request.control.constraints = {area};
   const SynthesisResult result = Synthesize(Model(), request);
   ExpectAllMet(result, 2);
-  const RoleMap& roles = Model().skeleton().roles();
-  for (const Eigen::Matrix3Xd& joints : JointPositions(result.clip)) {
+  const Skeleton& skeleton = Model().skeleton();
+  std::vector<Eigen::Vector2d> before;
+  for (const WorldPose& pose : WorldPoses(result.clip)) {
+    std::vector<Eigen::Vector2d> now;
     for (const JointRole role : {JointRole::kHips, JointRole::kLeftAnkle, JointRole::kLeftToe, JointRole::kRightAnkle, JointRole::kRightToe}) {
-      const Eigen::Vector3d point = joints.col(roles[role]);
-      EXPECT_LE(DepthInside(area, {point.x(), point.z()}), 0);
+      const int joint = skeleton.roles()[role];
+      Eigen::Vector3d point = pose.positions.col(joint);
+      now.emplace_back(point.x(), point.z());
+      if (role != JointRole::kLeftToe && role != JointRole::kRightToe) continue;
+      ASSERT_TRUE(skeleton.joint(joint).end_site_m);
+      point += pose.rotations[static_cast<size_t>(joint)] * *skeleton.joint(joint).end_site_m;
+      now.emplace_back(point.x(), point.z());
     }
+    for (size_t k = 0; k < now.size(); ++k) {
+      EXPECT_LE(DepthInside(area, now[k]), 0);
+      if (!before.empty()) {
+        EXPECT_LE(DepthInside(area, (now[k] + before[k]) / 2), 0) << "between two frames";
+      }
+    }
+    before = std::move(now);
   }
+}
+
+// A strip that no point is on in any frame, but that the walker goes over.
+TEST(SteeredSynthesis, JudgesAreasBetweenFrames) {
+  SynthesisRequest request = Request(3);
+  request.duration_s = 4;
+  request.frame_rate_hz = 15;
+  const SynthesisResult walk = Synthesize(Model(), request);
+  const auto strip = [](double z) { return KeepOutTerm{.polygon_m = {{-9, z}, {9, z}, {9, z + 0.02}, {-9, z + 0.02}}}; };
+  const auto deepest = [&](const MotionClip& clip, double z) {
+    request.control.constraints = {strip(z)};
+    return MeasureControls(MakeControlProblem(Model(), request, 0, 15), {}, {clip, walk.report.contacts})[0].residual;
+  };
+  int between = 0;
+  for (double z = 1; z < 3; z += 0.03) {
+    double at_frames = 0;
+    for (int f = 0; f + 1 < walk.clip.frame_count(); ++f) {
+      MotionClip still = walk.clip.Slice(f, 2);
+      still.root_positions().col(1) = still.root_positions().col(0);
+      std::copy(walk.clip.rotations(f), walk.clip.rotations(f) + walk.clip.joint_count(), &still.rotation(1, 0));
+      at_frames = std::max(at_frames, deepest(still, z));
+    }
+    if (at_frames > 0) continue;
+    ++between;
+    EXPECT_GT(deepest(walk.clip, z), 0) << "z " << z;
+  }
+  EXPECT_GT(between, 0);
+}
+
+TEST(SteeredSynthesis, RefusesWhatWouldTakeMinutes) {
+  SynthesisRequest request = Request(1);
+  request.duration_s = 600;
+  request.control.constraints.assign(100, LookAtTerm{.from_s = 0, .to_s = 599, .value_m = {0, 1.5, 2000}});
+  EXPECT_EQ(Refused(request), std::vector<std::string>{"/constraints"});
+}
+
+TEST(SteeredSynthesis, StopsOnceItsBudgetIsSpent) {
+  SynthesisRequest request = Request(1);
+  request.duration_s = 4;
+  request.control.constraints = {PositionTerm{.joint = "left_wrist", .at = {.time_s = 2}, .value_m = {20, 1, 2}}};
+  const ControlProblem problem = MakeControlProblem(Model(), request, 0, 30);
+  KinematicsCache kinematics(Model());
+  std::mt19937_64 rng(1);
+  const WalkPlan plan = PlanWalk(Model(), problem.guide, 1, &kinematics, rng);
+  SteerBudget ample(1e6), scanty(1);
+  EXPECT_FALSE(OptimizeWalk(problem, plan, &kinematics, &ample).all_met());
+  const SteeredWalk one_round = OptimizeWalk(problem, plan, &kinematics, &scanty);
+  EXPECT_GT(one_round.clip.frame_count(), 0);
+  EXPECT_TRUE(scanty.spent());
+  EXPECT_LT(-scanty.left(), 0.7 * (1e6 - ample.left())) << "less work than all rounds";
 }
 
 TEST(SteeredSynthesis, TurnsAndLooksWhenAsked) {
