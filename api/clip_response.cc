@@ -28,6 +28,11 @@ ordered_json ConstraintsJson(const std::vector<ControlOutcome>& outcomes) {
     json["residual"] = Decimals5(is_angle ? DegreesFromRadians(outcome.residual) : outcome.residual);
     if (std::isfinite(outcome.tolerance)) json["tolerance"] = Decimals5(is_angle ? DegreesFromRadians(outcome.tolerance) : outcome.tolerance);
     json["unit"] = is_angle ? "deg" : outcome.unit;
+    if (outcome.reached.size() == 1) {
+      json["reached"] = Decimals5(is_angle ? DegreesFromRadians(outcome.reached[0]) : outcome.reached[0]);
+    } else if (!outcome.reached.empty()) {
+      for (const double value : outcome.reached) json["reached"].push_back(Decimals5(value));
+    }
   }
   return list;
 }

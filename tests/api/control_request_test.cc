@@ -343,11 +343,13 @@ TEST(ControlReport, TellsWhatBecameOfEachTerm) {
   SynthesisReport report;
   report.constraints = {{"/path", std::nullopt, true, 0.0312345, 0.1, "m"},
                         {"/speed", std::nullopt, true, 0.02, 0.1, "m/s"},
-                        {"/constraints/0", 0, false, 0.1, 5 * kDegree, "rad"}};
+                        {"/constraints/0", 0, false, 0.1, 5 * kDegree, "rad", false, {30 * kDegree}},
+                        {"/constraints/1", 1, true, 0.01, 0.03, "m", false, {1, 1.2345678, -3}}};
   const json constraints = json::parse(ReportJson(report))["constraints"];
   EXPECT_EQ(constraints[0], json({{"pointer", "/path"}, {"met", true}, {"residual", 0.03123}, {"tolerance", 0.1}, {"unit", "m"}}));
   EXPECT_EQ(constraints[1]["unit"], "m/s");
-  EXPECT_EQ(constraints[2], json({{"index", 0}, {"pointer", "/constraints/0"}, {"met", false}, {"residual", 5.72958}, {"tolerance", 5.0}, {"unit", "deg"}}));
+  EXPECT_EQ(constraints[2], json({{"index", 0}, {"pointer", "/constraints/0"}, {"met", false}, {"residual", 5.72958}, {"tolerance", 5.0}, {"unit", "deg"}, {"reached", 30.0}}));
+  EXPECT_EQ(constraints[3]["reached"], json({1.0, 1.23457, -3.0}));
 }
 
 }  // namespace
