@@ -1,5 +1,7 @@
 #include "synthesis/control/walk_terms.h"
 
+#include <ceres/problem.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -1,12 +1,14 @@
 #pragma once
 
-#include <ceres/problem.h>
-
 #include <list>
 #include <vector>
 
 #include "synthesis/control/residuals/control_residuals.h"
 #include "synthesis/control/walk_state.h"
+
+namespace ceres {
+class Problem;
+}
 
 namespace morphograph {
 
