@@ -8,8 +8,8 @@ namespace morphograph {
 
 struct ClassForestOptions {
   int trees = 32;
-  int depth = 9;
-  int most_samples = 30000;  // that trees are grown on, taken evenly; shares in leaves are of all
+  int depth = 13;
+  int most_samples = 120000;  // that trees are grown on, taken evenly; shares in leaves are of all
   std::uint64_t seed = 1;
 };
 

@@ -159,6 +159,7 @@ int main(int argc, char** argv) {
   app.add_option("--most", options.clusters.most_clusters, "clusters");
   app.add_option("--trees", options.forest.trees, "of the forest");
   app.add_option("--depth", options.forest.depth, "of a tree");
+  app.add_option("--samples", options.forest.most_samples, "that trees are grown on");
   app.add_option("--ridge", options.ridge, "of the maps");
   CLI11_PARSE(app, argc, argv);
   const Purpose purpose = tune ? Purpose::kTune : Purpose::kTest;
