@@ -32,24 +32,29 @@ Eigen::VectorXd FramesOf(const StepSpan& span) {
 }  // namespace
 
 CapturedSteps::CapturedSteps(const std::vector<MotionClip>& recorded, const std::vector<RecordedStep>& recorded_steps, const PoseLayout& layout,
-                             std::vector<Placement> sensors, bool mirrored, int jobs)
+                             std::vector<Placement> sensors, bool mirrored, int jobs, const std::vector<double>& tempos)
     : layout_(layout), sensors_(std::move(sensors)) {
   const int sides = mirrored ? 2 : 1;
-  std::vector<MotionClip> clips(recorded.size() * static_cast<std::size_t>(sides));
+  std::vector<double> speeds = {1};
+  speeds.insert(speeds.end(), tempos.begin(), tempos.end());
+  const int copies = sides * static_cast<int>(speeds.size());
+  std::vector<MotionClip> clips(recorded.size() * static_cast<std::size_t>(copies));
   std::vector<Eigen::MatrixXd> readings(clips.size());
   ParallelFor(jobs, static_cast<int>(recorded.size()), [&](int c) {
-    for (int side = 0; side < sides; ++side) {
-      const std::size_t place = static_cast<std::size_t>(c * sides + side);
-      const MotionClip& clip = recorded[static_cast<std::size_t>(c)];
-      clips[place] = Resample(side == 0 ? clip : Mirrored(clip), kSensorRate_hz);
+    const MotionClip& clip = recorded[static_cast<std::size_t>(c)];
+    for (int copy = 0; copy < copies; ++copy) {
+      const std::size_t place = static_cast<std::size_t>(c * copies + copy);
+      const double speed = speeds[static_cast<std::size_t>(copy / sides)];
+      const MotionClip side = copy % sides == 0 ? clip : Mirrored(clip);
+      clips[place] = Resample(speed == 1 ? side : Retimed(side, clip.frame_rate_hz() * speed), kSensorRate_hz);
       if (clips[place].frame_count() >= 3) readings[place] = VirtualAccelerations(clips[place], sensors_, kSensorRate_hz).values;
     }
   });
   std::vector<SourceStep> steps;
   for (const RecordedStep& step : recorded_steps) {
-    const double scale = kSensorRate_hz / recorded[static_cast<std::size_t>(step.clip)].frame_rate_hz();
-    for (int side = 0; side < sides; ++side) {
-      const SourceStep source{step.clip * sides + side, {step.start_frame * scale, step.end_frame * scale}, step.left != (side == 1)};
+    for (int copy = 0; copy < copies; ++copy) {
+      const double scale = kSensorRate_hz / (recorded[static_cast<std::size_t>(step.clip)].frame_rate_hz() * speeds[static_cast<std::size_t>(copy / sides)]);
+      const SourceStep source{step.clip * copies + copy, {step.start_frame * scale, step.end_frame * scale}, step.left != (copy % sides == 1)};
       if (HasMargins(clips[static_cast<std::size_t>(source.clip)], source.span)) steps.push_back(source);
     }
   }
@@ -83,7 +88,7 @@ CapturedSteps::CapturedSteps(const std::vector<MotionClip>& recorded, const std:
     bank.readings.col(column) = ResampleCubic(readings[static_cast<std::size_t>(step.clip)], frames).reshaped().cast<float>();
     bank.log_durations[column] = static_cast<float>(std::log(sampler.duration_s()));
     bank.styles[static_cast<std::size_t>(column)] =
-        static_cast<int>(std::lower_bound(styles_.begin(), styles_.end(), recorded[static_cast<std::size_t>(step.clip / sides)].style) - styles_.begin());
+        static_cast<int>(std::lower_bound(styles_.begin(), styles_.end(), recorded[static_cast<std::size_t>(step.clip / copies)].style) - styles_.begin());
   });
 }
 

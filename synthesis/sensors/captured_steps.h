@@ -29,9 +29,10 @@ struct StepBank {
 class CapturedSteps {
  public:
   /// @param clips, steps  as RecordedMotion has them; steps whose margins reach beyond their clip are left out.
+  /// @param tempos  copies of every step that are so many times as fast, beside the step itself.
   /// @throws std::invalid_argument where no step is left, or a sensor's joint does not exist.
   CapturedSteps(const std::vector<MotionClip>& clips, const std::vector<RecordedStep>& steps, const PoseLayout& layout,
-                std::vector<Placement> sensors, bool mirrored = true, int jobs = 1);
+                std::vector<Placement> sensors, bool mirrored = true, int jobs = 1, const std::vector<double>& tempos = {});
 
   const PoseLayout& layout() const { return layout_; }
   const MeanRotations& means() const { return means_; }  // over all steps, whatever their style

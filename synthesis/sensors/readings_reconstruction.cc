@@ -5,12 +5,89 @@
 
 #include "datasets/error_reason.h"
 #include "datasets/errors.h"
+#include "datasets/marker_units.h"
+#include "datasets/quantile.h"
+#include "datasets/virtual_sensors.h"
 
 namespace morphograph {
+namespace {
+
+// Gravity is as long for every sensor at every time: medians over windows differ by less than this, runs included.
+constexpr double kAlike = 2.2;
+constexpr double kLeastGravity_m_s2 = 6, kMostGravity_m_s2 = 22;  // medians over windows, of sensors that are shaken too
+constexpr Eigen::Index kWindows = 8;
+constexpr double kTallest_m = 2.6, kDeepest_m = -0.5;
+
+// What a sensor or marker says on the whole, in the readings' own unit.
+struct TypicalReading {
+  double least = 0, most = 0;  // median lengths, over windows of time
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+};
+
+// Of those that move and point somewhere.
+std::vector<TypicalReading> TypicalReadings(const Readings& readings) {
+  std::vector<TypicalReading> typical;
+  for (int s = 0; s < readings.sensor_count(); ++s) {
+    std::vector<Eigen::Vector3d> values;
+    bool moves = false;
+    TypicalReading reading;
+    double lengths = 0;
+    for (Eigen::Index i = 0; i < readings.values.cols(); ++i) {
+      const Eigen::Vector3d value = readings.values.col(i).segment<3>(3 * static_cast<Eigen::Index>(s));
+      if (!value.allFinite()) continue;
+      values.push_back(value);
+      moves = moves || value != values.front();
+      reading.mean += value;
+      lengths += value.norm();
+    }
+    if (!moves || reading.mean.norm() < 0.2 * lengths) continue;
+    const auto count = static_cast<Eigen::Index>(values.size());
+    reading.mean /= static_cast<double>(count);
+    for (Eigen::Index w = 0; w < std::min(kWindows, count); ++w) {
+      const Eigen::Index windows = std::min(kWindows, count);
+      std::vector<double> of_window;
+      for (Eigen::Index i = w * count / windows; i < (w + 1) * count / windows; ++i) of_window.push_back(values[static_cast<std::size_t>(i)].norm());
+      const double length = Median(of_window);
+      reading.least = w == 0 ? length : std::min(reading.least, length);
+      reading.most = std::max(reading.most, length);
+    }
+    typical.push_back(reading);
+  }
+  return typical;
+}
+
+// Whether points that lie so on the average may be markers on a body on the floor, with `metres` a unit.
+bool MayBeABody(const std::vector<TypicalReading>& points, double metres) {
+  for (const TypicalReading& a : points) {
+    if (metres * a.mean.y() > kTallest_m || metres * a.mean.y() < kDeepest_m) return false;
+    for (const TypicalReading& b : points) {
+      if (metres * (a.mean - b.mean).norm() > kTallest_m) return false;
+    }
+  }
+  return true;
+}
+
+// Our CSV does not say whether it holds accelerations or markers, but gravity is as long for every sensor, and a body is not 9.81 m up in the air.
+void CheckKind(const Readings& readings, bool markers, const std::string& source) {
+  const std::vector<TypicalReading> typical = TypicalReadings(readings);
+  if (typical.size() < 2) return;
+  double least = typical.front().least, most = 0;
+  for (const TypicalReading& reading : typical) {
+    least = std::min(least, reading.least);
+    most = std::max(most, reading.most);
+  }
+  if (markers && least > kLeastGravity_m_s2 && most < kMostGravity_m_s2 && !MayBeABody(typical, 1))
+    throw DatasetError(source, "the values look like accelerations (every sensor says about 9.81), not like positions in metres, which the method 'markers' takes");
+  if (!markers && most > kAlike * least && MayBeABody(typical, MetresPerMarkerUnit(readings)))
+    throw DatasetError(source, "the values look like positions of markers, not like accelerations, which all hold gravity and are about 9.81 m/s^2 long; the method 'markers' takes positions");
+}
+
+}  // namespace
 
 ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const ReconstructionRequest& request, const ReconstructorSource& make) {
   // What cannot be placed is said before any work is done.
   PlacesOf(request.readings.names, request.placements, graph, request.method);
+  CheckKind(request.readings, request.method == ReconstructionMethod::kMarkers, request.source);
   StreamRepairOptions options;
   options.kind = request.method == ReconstructionMethod::kMarkers ? ReadingsKind::kMarkers : ReadingsKind::kAccelerations;
   options.rate_hz = kReconstructionRate_hz;

@@ -29,7 +29,7 @@ struct ReconstructedReadings {
 using ReconstructorSource = std::function<std::shared_ptr<const Reconstructor>(const std::vector<Placement>&)>;
 
 /// Repairs readings, leaves dead sensors out, and reconstructs.
-/// @throws DatasetError for readings that nothing can be made of; UnsatisfiableRequest for sensors that cannot be placed or a stream shorter than a step.
+/// @throws DatasetError for readings that nothing can be made of, or that look like markers where accelerations are wanted or the other way round; UnsatisfiableRequest for sensors that cannot be placed or a stream shorter than a step.
 ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const ReconstructionRequest& request, const ReconstructorSource& make);
 
 }  // namespace morphograph

@@ -14,22 +14,39 @@ namespace {
 constexpr double kDurationWeight = 10;
 constexpr std::size_t kStyleVotes = 32;
 
-// argmin |x|^2 + |local x - wanted|^2 / sigma^2.
-Eigen::VectorXd MostLikelyLatents(const Eigen::MatrixXd& local, const Eigen::VectorXd& wanted, double sigma) {
-  // (L^T L + sigma^2) x = L^T d, or x = L^T (L L^T + sigma^2)^-1 d: the smaller of the two systems.
-  const bool by_rows = local.cols() > local.rows();
-  const Eigen::Index size = std::min(local.rows(), local.cols());
-  Eigen::MatrixXd normal = Eigen::MatrixXd::Zero(size, size);
-  if (by_rows) {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(local);
-  } else {
-    normal.selfadjointView<Eigen::Lower>().rankUpdate(local.transpose());
+// argmin |x|^2 + |W (L x - d)|^2 / sigma^2 for diagonal W, for one L and several W: the larger of the two possible products is never made, the smaller one once.
+class LatentSolver {
+ public:
+  explicit LatentSolver(const Eigen::MatrixXd& local) : local_(local), by_rows_(local.cols() > local.rows()) {
+    if (by_rows_) products_ = Products(local.cast<float>());
   }
-  normal.diagonal().array() += sigma * sigma;
-  const Eigen::LLT<Eigen::MatrixXd> solver(normal);
-  if (by_rows) return local.transpose() * solver.solve(wanted);
-  return solver.solve(local.transpose() * wanted);
-}
+  Eigen::VectorXd Solve(const Eigen::VectorXd& weights, const Eigen::VectorXd& wanted, double sigma) const {
+    // (L^T W^2 L + sigma^2) x = L^T W^2 d, or x = L^T W (W L L^T W + sigma^2)^-1 W d.
+    if (by_rows_) {
+      Eigen::MatrixXd normal = weights.asDiagonal() * products_ * weights.asDiagonal();
+      normal.diagonal().array() += sigma * sigma;
+      const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+      return local_.transpose() * weights.cwiseProduct(solver.solve(weights.cwiseProduct(wanted)));
+    }
+    const Eigen::MatrixXd weighted = weights.asDiagonal() * local_;
+    Eigen::MatrixXd normal = Products(weighted.transpose().cast<float>());
+    normal.diagonal().array() += sigma * sigma;
+    const Eigen::LLT<Eigen::MatrixXd> solver(normal);
+    return solver.solve(weighted.transpose() * weights.cwiseProduct(wanted));
+  }
+
+ private:
+  // A A^T. In single precision, half the time: what it loses is far below sigma^2.
+  static Eigen::MatrixXd Products(const Eigen::MatrixXf& a) {
+    Eigen::MatrixXf lower = Eigen::MatrixXf::Zero(a.rows(), a.rows());
+    lower.selfadjointView<Eigen::Lower>().rankUpdate(a);
+    return Eigen::MatrixXf(lower.selfadjointView<Eigen::Lower>()).cast<double>();
+  }
+
+  const Eigen::MatrixXd& local_;
+  bool by_rows_;
+  Eigen::MatrixXd products_;
+};
 
 }  // namespace
 
@@ -70,19 +87,16 @@ FittedStep FitStep(const CapturedSteps& steps, const Eigen::MatrixXd& readings, 
 
   const Eigen::Index n = static_cast<Eigen::Index>(count);
   Eigen::MatrixXd local(rows + 1, n);
-  Eigen::MatrixXf poses(bank.poses.rows(), n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    local.col(i) = captured(order[static_cast<std::size_t>(i)]);
-    poses.col(i) = bank.poses.col(order[static_cast<std::size_t>(i)]);
-  }
+  for (Eigen::Index i = 0; i < n; ++i) local.col(i) = captured(order[static_cast<std::size_t>(i)]);
   const Eigen::VectorXd mean = local.rowwise().mean();
   local.colwise() -= mean;
   local /= std::sqrt(static_cast<double>(n));
-  Eigen::VectorXd latents = MostLikelyLatents(local, wanted - mean, options.sigma_m_s2);
+  const LatentSolver solver(local);
+  Eigen::VectorXd weights = Eigen::VectorXd::Ones(rows + 1);
+  Eigen::VectorXd latents = solver.Solve(weights, wanted - mean, options.sigma_m_s2);
   Eigen::VectorXd off = wanted - mean - local * latents;
   if (rows > 0) {
     // Sensors that captured steps do not explain to sigma deviate by as much as they are off: motion unlike any captured, or a sensor that sits askew.
-    Eigen::VectorXd weights = Eigen::VectorXd::Ones(rows + 1);
     for (Eigen::Index sensor = 0; sensor < sensors; sensor += 3) {
       double squares = 0;
       for (int i = 0; i < samples; ++i) squares += off.segment<3>(i * sensors + sensor).squaredNorm();
@@ -91,14 +105,16 @@ FittedStep FitStep(const CapturedSteps& steps, const Eigen::MatrixXd& readings, 
       for (int i = 0; i < samples; ++i) weights.segment<3>(i * sensors + sensor).setConstant(options.sigma_m_s2 / deviation);
     }
     if (weights.minCoeff() < 1) {
-      latents = MostLikelyLatents(weights.asDiagonal() * local, weights.cwiseProduct(wanted - mean), options.sigma_m_s2);
+      latents = solver.Solve(weights, wanted - mean, options.sigma_m_s2);
       off = wanted - mean - local * latents;
     }
     fitted.residual_m_s2 = std::sqrt(off.head(rows).squaredNorm() / static_cast<double>(rows));
   }
   // mean + P latents, P the centred poses over sqrt(n): weights of the captured steps that sum to 1.
   const Eigen::VectorXd shares = ((latents.array() - latents.mean()) / std::sqrt(static_cast<double>(n)) + 1.0 / static_cast<double>(n)).matrix();
-  fitted.poses = (poses.cast<double>() * shares).reshaped(steps.layout().channels(), kPhaseSamples);
+  Eigen::VectorXd poses = Eigen::VectorXd::Zero(bank.poses.rows());
+  for (Eigen::Index i = 0; i < n; ++i) poses += shares[i] * bank.poses.col(order[static_cast<std::size_t>(i)]).cast<double>();
+  fitted.poses = poses.reshaped(steps.layout().channels(), kPhaseSamples);
   return fitted;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 
 #include "primitives/matrix_factors.h"
 
@@ -15,6 +16,8 @@ constexpr Eigen::Index kStepsOfBasis = 1000;
 constexpr int kNearest = 4;
 // A step of another length costs as if every reading were off by this for each unit of the log of their ratio (m/s^2).
 constexpr double kLengthCost = 10;
+// Steps whose length differs by more (in the log) are not looked at: that alone would cost 9 (m/s^2)^2, more than steps that fit.
+constexpr float kWidestLength = 0.3F;
 
 // Readings between frames; before the first and behind the last, those.
 Eigen::VectorXf SamplesOf(const Eigen::MatrixXd& readings, double start, double frames) {
@@ -50,7 +53,11 @@ StepSearch::StepSearch(const CapturedSteps& steps) : steps_(steps) {
     for (Eigen::Index i = 0; i < used; ++i) sample.col(i) = vectors.col(i * stride).cast<double>();
     const SymmetricFactors factors = FactorSymmetric(sample * sample.transpose());
     side.basis = factors.vectors.rightCols(std::min<Eigen::Index>(kComponents, values + 1)).cast<float>();
-    side.captured = side.basis.transpose() * vectors;
+    std::vector<Eigen::Index> order(static_cast<std::size_t>(bank.size()));
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return bank.log_durations[a] < bank.log_durations[b]; });
+    for (const Eigen::Index step : order) side.log_durations.push_back(bank.log_durations[step]);
+    side.captured = (side.basis.transpose() * vectors)(Eigen::all, order);
     side.norms = side.captured.colwise().squaredNorm();
     least = std::min(least, std::exp(static_cast<double>(bank.log_durations.minCoeff())));
     most = std::max(most, std::exp(static_cast<double>(bank.log_durations.maxCoeff())));
@@ -74,14 +81,28 @@ Eigen::MatrixXf StepSearch::CostsAt(const Eigen::MatrixXd& readings, int start) 
     if (side.captured.cols() == 0) continue;
     const Eigen::MatrixXf centred = queries.colwise() - side.mean;
     const Eigen::MatrixXf projected = side.basis.transpose() * centred;
-    Eigen::MatrixXf distances = -2 * (side.captured.transpose() * projected);  // (steps x lengths), without the query's own norm
-    distances.colwise() += side.norms;
-    const int nearest = static_cast<int>(std::min<Eigen::Index>(kNearest, distances.rows()));
+    const auto nearest = static_cast<std::ptrdiff_t>(std::min<Eigen::Index>(kNearest, side.captured.cols()));
     for (int n = 0; n < lengths; ++n) {
-      float* column = distances.col(n).data();
-      std::nth_element(column, column + nearest - 1, column + distances.rows());
-      const float mean = distances.col(n).head(nearest).mean();
-      costs(n, foot) = std::max(0.0f, mean + centred.col(n).squaredNorm()) / static_cast<float>(values);
+      // Steps about as long; a few at least.
+      const auto log_length = static_cast<float>(std::log((shortest_ + n) / kSensorRate_hz));
+      auto first = std::lower_bound(side.log_durations.begin(), side.log_durations.end(), log_length - kWidestLength);
+      auto last = std::upper_bound(first, side.log_durations.end(), log_length + kWidestLength);
+      while (last - first < nearest) {
+        if (first != side.log_durations.begin()) --first;
+        if (last != side.log_durations.end()) ++last;
+      }
+      const Eigen::Index from = first - side.log_durations.begin(), count = last - first;
+      const Eigen::VectorXf distances = side.norms.segment(from, count) - 2 * (side.captured.middleCols(from, count).transpose() * projected.col(n));  // without the query's own norm
+      float least[kNearest];
+      std::fill_n(least, nearest, std::numeric_limits<float>::infinity());
+      for (const float distance : distances) {
+        if (distance >= least[nearest - 1]) continue;
+        std::ptrdiff_t place = nearest - 1;
+        for (; place > 0 && least[place - 1] > distance; --place) least[place] = least[place - 1];
+        least[place] = distance;
+      }
+      const float mean = std::accumulate(least, least + nearest, 0.0F) / static_cast<float>(nearest);
+      costs(n, foot) = std::max(0.0F, mean + centred.col(n).squaredNorm()) / static_cast<float>(values);
     }
   }
   return costs;

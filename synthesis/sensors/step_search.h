@@ -35,7 +35,8 @@ class StepSearch {
   struct Side {
     Eigen::VectorXf mean;      // of the bank's readings and weighted log durations
     Eigen::MatrixXf basis;     // (values x components)
-    Eigen::MatrixXf captured;  // (components x steps)
+    Eigen::MatrixXf captured;  // (components x steps), by rising duration
+    std::vector<float> log_durations;  // of its columns, s
     Eigen::VectorXf norms;     // of its columns, squared
   };
   /// Mean squared distance of steps that start at `start` and last `frames` (several), by side.

@@ -5,7 +5,7 @@
 //   graph_reconstruction_benchmark --data cmu/07 cmu/08 --split folder                               without the folder that they are from (a person)
 //
 // A model is trained as `train` does it, on all but the left-out clips, and keeps its recordings. Of every folder and style the clip in the middle (of n, number n/2 by name) is a
-// test clip; with --split folder all clips are. Sensors at wrists and ankles are simulated on the test clip, as it is and worse: with noise of 1.2 m/s^2 and sensors askew by
+// test clip; with --split folder all clips are; with --tune number n/4, on which constants are chosen. Sensors at wrists and ankles are simulated on the test clip, as it is and worse: with noise of 1.2 m/s^2 and sensors askew by
 // 10 degrees, played slower and faster by a fifth, and by a body of 0.8 and 1.2 times the size.
 //
 // Error: root mean square distance of the joints in the pelvis frame, cm, a value a frame; mean and 95th percentile over all frames. Skate: times the truth's. Feet: share of
@@ -40,20 +40,24 @@ struct Recorded {
   MotionClip clip;
   std::string folder;
   bool test = false;
+  bool out = false;   // of every model
   std::string group;  // left out together with all of this group
 };
 
-std::vector<Recorded> Load(const std::vector<std::filesystem::path>& folders, const std::string& split) {
+std::vector<Recorded> Load(const std::vector<std::filesystem::path>& folders, const std::string& split, bool tune) {
   const Dataset dataset = LoadDataset(folders);
   std::vector<MotionClip> clips;
   for (const LoadedClip& loaded : dataset.clips) clips.push_back(loaded.clip);
   std::vector<Recorded> recorded;
   for (AugmentedClip& level : Augment(clips, {})) {
-    if (!level.made) recorded.push_back({std::move(level.clip), dataset.clips[recorded.size()].file.parent_path().filename().string()});
+    if (!level.made) recorded.push_back({std::move(level.clip), dataset.clips[recorded.size()].file.parent_path().filename().string(), false, false, {}});
   }
   std::map<std::pair<std::string, std::string>, std::vector<std::size_t>> kinds;
   for (std::size_t i = 0; i < recorded.size(); ++i) kinds[{recorded[i].folder, recorded[i].clip.style}].push_back(i);
-  for (const auto& [kind, members] : kinds) recorded[members[members.size() / 2]].test = true;
+  for (const auto& [kind, members] : kinds) {
+    recorded[members[members.size() / 2]].out = true;
+    recorded[members[members.size() / (tune ? 4 : 2)]].test = true;
+  }
   for (Recorded& clip : recorded) {
     if (split == "folder") clip.test = true;
     clip.group = split == "folder" ? clip.folder : split == "style" ? clip.clip.style : "test clips";
@@ -64,7 +68,7 @@ std::vector<Recorded> Load(const std::vector<std::filesystem::path>& folders, co
 std::shared_ptr<const MotionGraph> TrainWithout(const std::vector<Recorded>& recorded, const std::string& group, const std::string& split) {
   std::vector<TrainingClip> clips;
   for (const Recorded& clip : recorded) {
-    if (split == "clip" ? !clip.test : clip.group != group) clips.push_back({clip.clip, false, static_cast<int>(clips.size())});
+    if (split == "clip" ? !clip.test && !clip.out : clip.group != group) clips.push_back({clip.clip, false, static_cast<int>(clips.size())});
   }
   TrainingOptions options;
   options.keep_recordings = true;
@@ -122,13 +126,14 @@ int main(int argc, char** argv) {
   CLI::App program("Measures the graph method of reconstruction.");
   std::vector<std::filesystem::path> data;
   std::string split = "clip";
-  bool plain = false;
+  bool plain = false, tune = false;
   program.add_option("--data", data, "Folders of BVH")->required();
   program.add_option("--split", split, "clip, style or folder")->check(CLI::IsMember({"clip", "style", "folder"}));
   program.add_flag("--plain", plain, "Without faults, tempos and sizes");
+  program.add_flag("--tune", tune, "The clips on which constants are chosen: number n/4 of every folder and style");
   CLI11_PARSE(program, argc, argv);
 
-  const std::vector<Recorded> recorded = Load(data, split);
+  const std::vector<Recorded> recorded = Load(data, split, tune);
   std::set<std::string> groups;
   for (const Recorded& clip : recorded) groups.insert(clip.group);
   const std::vector<Placement> sensors = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});

@@ -1,11 +1,14 @@
 // The graph method: readings to a walk, on synthetic walks whose truth is known.
 #include "synthesis/sensors/graph_reconstruction.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "datasets/errors.h"
 #include "datasets/virtual_sensors.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/sensors/motion_source.h"
+#include "synthesis/sensors/readings_reconstruction.h"
 #include "synthesis/sensors/reconstruction.h"
 #include "tests/support/small_model.h"
 
@@ -109,6 +112,54 @@ TEST_F(GraphReconstructionTest, GivesTheSameTwice) {
   const MotionClip b = ReconstructWalk(*graph_, sensors, readings).result.clip;
   EXPECT_EQ(a.root_positions(), b.root_positions());
   for (int j = 0; j < a.joint_count(); ++j) EXPECT_EQ(a.rotation(20, j).coeffs(), b.rotation(20, j).coeffs());
+}
+
+TEST_F(GraphReconstructionTest, CopiesOfOtherTemposAreTheSameStepsInAnotherTime) {
+  const MotionSource source = SourceOf(*graph_);
+  const CapturedSteps plain(source.clips, source.steps, graph_->layout(), FourSensors(), false), copied(source.clips, source.steps, graph_->layout(), FourSensors(), false, 1, {0.8});
+  for (const bool left : {true, false}) {
+    const StepBank &once = plain.landing(left), &twice = copied.landing(left);
+    ASSERT_EQ(twice.size(), 2 * once.size());
+    for (Eigen::Index k = 0; k < once.size(); ++k) {
+      double nearest = 1e9;
+      for (Eigen::Index i = 0; i < twice.size(); ++i) nearest = std::min(nearest, static_cast<double>(std::abs(twice.log_durations[i] - once.log_durations[k] - std::log(1 / 0.8F))));
+      EXPECT_LT(nearest, 1e-4);
+    }
+  }
+}
+
+TEST_F(GraphReconstructionTest, TellsMarkersFromAccelerations) {
+  SyntheticGaitTruth truth;
+  const MotionClip walk = UnseenWalk(&truth);
+  const Readings accelerations = VirtualAccelerations(walk, FourSensors(), kSensorRate_hz), markers = VirtualMarkers(walk, FourSensors());
+  const ReconstructorSource none = [](const std::vector<Placement>&) -> std::shared_ptr<const Reconstructor> { throw std::logic_error("made"); };
+  const auto said = [&](ReconstructionMethod method, const Readings& readings) -> std::string {
+    try {
+      ReconstructReadings(*graph_, {.method = method, .readings = readings, .placements = {}}, none);
+    } catch (const DatasetError& error) {
+      return error.what();
+    } catch (const std::logic_error&) {
+      return "taken";
+    }
+    return "";
+  };
+  EXPECT_EQ(said(ReconstructionMethod::kOlng, accelerations), "taken");
+  EXPECT_EQ(said(ReconstructionMethod::kMarkers, markers), "taken");
+  EXPECT_THAT(said(ReconstructionMethod::kOlng, markers), ::testing::HasSubstr("positions of markers"));
+  EXPECT_THAT(said(ReconstructionMethod::kMarkers, accelerations), ::testing::HasSubstr("look like accelerations"));
+  // In other units, and 9.8 m away from the origin.
+  Readings in_g = accelerations, in_mm = markers, far = markers;
+  in_g.values /= 9.81;
+  in_mm.values *= 1000;
+  for (int m = 0; m < far.sensor_count(); ++m) far.values.row(3 * m + 2).array() += 9.8 - far.values.row(3 * m + 2).mean();
+  EXPECT_EQ(said(ReconstructionMethod::kOlng, in_g), "taken");
+  EXPECT_EQ(said(ReconstructionMethod::kMarkers, in_mm), "taken");
+  EXPECT_EQ(said(ReconstructionMethod::kMarkers, far), "taken");
+  EXPECT_THAT(said(ReconstructionMethod::kGraph, in_mm), ::testing::HasSubstr("positions of markers"));
+  // A sensor that is dead does not make markers of the others.
+  Readings dead = in_g;
+  dead.values.topRows<3>().setZero();
+  EXPECT_EQ(said(ReconstructionMethod::kOlng, dead), "taken");
 }
 
 TEST_F(GraphReconstructionTest, RefusesWhatIsTooShortOrOfOtherSensors) {
