@@ -29,21 +29,27 @@ MotionClip Reversed(const MotionClip& clip) {
   return reversed;
 }
 
-// The clip at the base's rate and its copies; empty where it is too short.
-std::vector<MotionClip> Copies(const MotionClip& clip, const MotionBaseOptions& options) {
-  std::vector<MotionClip> copies;
+// The clip at the base's rate and its copies, those of its own tempo first; empty where it is too short.
+struct ClipCopies {
+  std::vector<MotionClip> clips;
+  std::size_t own_tempo = 0;  // how many are of it
+};
+
+ClipCopies CopiesOf(const MotionClip& clip, const MotionBaseOptions& options) {
+  ClipCopies copies;
   const auto add = [&](const MotionClip& made) {
     if (made.frame_count() < kFewestFrames) return;
-    copies.push_back(made);
-    if (options.time_reversed) copies.push_back(Reversed(made));
+    copies.clips.push_back(made);
+    if (options.time_reversed) copies.clips.push_back(Reversed(made));
   };
   std::vector<MotionClip> sides;
   sides.reserve(2);
   sides.push_back(clip);
   if (options.mirrored) sides.push_back(Mirrored(clip));
-  for (const MotionClip& side : sides) {
-    add(Resample(side, options.frame_rate_hz));
-    for (const double tempo : options.tempos) add(Resample(Retimed(side, side.frame_rate_hz() * tempo), options.frame_rate_hz));
+  for (const MotionClip& side : sides) add(Resample(side, options.frame_rate_hz));
+  copies.own_tempo = copies.clips.size();
+  for (const double tempo : options.tempos) {
+    for (const MotionClip& side : sides) add(Resample(Retimed(side, side.frame_rate_hz() * tempo), options.frame_rate_hz));
   }
   return copies;
 }
@@ -108,11 +114,18 @@ MotionBase::MotionBase(const std::vector<MotionClip>& clips, std::vector<Placeme
     if (clip.shared_skeleton() != clips.front().shared_skeleton()) throw std::invalid_argument("MotionBase: clips must share one skeleton");
   }
   std::vector<std::vector<MotionClip>> sets(clips.size());
-  ParallelFor(options.jobs, static_cast<int>(clips.size()), [&](int i) { sets[static_cast<std::size_t>(i)] = Copies(clips[static_cast<std::size_t>(i)], options); });
+  std::vector<std::size_t> own_tempo(clips.size());
+  ParallelFor(options.jobs, static_cast<int>(clips.size()), [&](int i) {
+    ClipCopies copies = CopiesOf(clips[static_cast<std::size_t>(i)], options);
+    sets[static_cast<std::size_t>(i)] = std::move(copies.clips);
+    own_tempo[static_cast<std::size_t>(i)] = copies.own_tempo;
+  });
   std::vector<Eigen::Index> first_frames;
   Eigen::Index frames = 0;
-  for (const std::vector<MotionClip>& set : sets) {
-    for (const MotionClip& clip : set) {
+  for (std::size_t i = 0; i < sets.size(); ++i) {
+    for (std::size_t copy = 0; copy < sets[i].size(); ++copy) {
+      const MotionClip& clip = sets[i][copy];
+      if (copy < own_tempo[i]) own_tempo_frames_ += clip.frame_count();
       clip_of_.insert(clip_of_.end(), static_cast<std::size_t>(clip.frame_count()), static_cast<int>(first_frames.size()));
       first_frames.push_back(frames);
       frames += clip.frame_count();

@@ -41,6 +41,8 @@ class MotionBase {
   double frame_rate_hz() const { return frame_rate_hz_; }
   const std::vector<Placement>& sensors() const { return sensors_; }
   Eigen::Index frame_count() const { return rotations_.cols(); }
+  /// Frames at the recordings' own tempo, mirrored ones included: frame_count() without the copies of other tempos.
+  Eigen::Index own_tempo_frames() const { return own_tempo_frames_; }
 
   /// Modelled joints, the moving root first; others keep their mean.
   const std::vector<int>& active_joints() const { return active_joints_; }
@@ -81,6 +83,7 @@ class MotionBase {
   std::vector<int> active_joints_, measured_joints_;
   std::vector<Eigen::Quaterniond> mean_rotations_;
   std::vector<int> clip_of_;
+  Eigen::Index own_tempo_frames_ = 0;
   Eigen::MatrixXf rotations_, positions_, accelerations_, travel_;
 };
 

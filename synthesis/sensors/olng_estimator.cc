@@ -19,9 +19,7 @@ std::vector<char> FollowsOf(const MotionBase& base) {
   return follows;
 }
 
-int ShareOf(Eigen::Index frames, double share, int least, int most) {
-  return std::clamp(static_cast<int>(std::lround(share * static_cast<double>(frames))), least, most);
-}
+constexpr double kLeastNeighbours = 256, kMostNeighbours = 4096, kLeastPaths = 24, kMostPaths = 256;
 
 }  // namespace
 
@@ -30,8 +28,9 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
   if (options.neighbours < 0 || options.paths < 0 || !(options.sensor_exponent >= 0))
     throw std::invalid_argument("OlngModel: neighbours, paths and sensor_exponent must be 0 or more");
   const auto frames = base_->frame_count();
-  if (options_.neighbours == 0) options_.neighbours = ShareOf(frames, kNeighbourShare, 256, 4096);
-  if (options_.paths == 0) options_.paths = ShareOf(frames, kPathShare, 24, 256);
+  const auto own = static_cast<double>(std::max<Eigen::Index>(1, base_->own_tempo_frames())), copies = static_cast<double>(frames) / own;
+  if (options_.neighbours == 0) options_.neighbours = static_cast<int>(std::lround(std::min(kMostNeighbours, copies * std::max(kLeastNeighbours, kNeighbourShare * own))));
+  if (options_.paths == 0) options_.paths = static_cast<int>(std::lround(std::clamp(kPathShare * own, kLeastPaths, kMostPaths)));
   options_.neighbours = static_cast<int>(std::min<Eigen::Index>(options_.neighbours, frames));
   options_.paths = std::min(options_.paths, options_.neighbours);
 

@@ -18,6 +18,10 @@ enum class OlngPose {
   kNearest,       // the frame with the nearest reading, without paths: the baseline
 };
 
+/// Copies of other tempos that a base for this method does well to hold. A body that moves a fifth slower reads a third less beyond gravity: its readings are then not
+/// near its own style's, and paths through the base, which may go on at another tempo, are not found.
+inline constexpr double kOlngTempos[] = {0.85, 1.15};
+
 struct OlngOptions {
   int neighbours = 0;  // K; 0: a share of the base, see OlngModel
   int paths = 0;       // I; 0: a share of the base
@@ -32,7 +36,8 @@ struct OlngOptions {
 /// What the method knows: the base and an index of its readings. Immutable; may serve several streams at once.
 class OlngModel {
  public:
-  /// K is 0.75 % and I 0.025 % of the base's frames where the options leave them open, within [256, 4096] and [24, 256].
+  /// Where the options leave them open, K is 0.75 % of the base's frames and 256 or more, I 0.025 % and within [24, 256]. Copies of other tempos are near to all the
+  /// same readings: they raise K, least number included, but not I. K is 4096 at most.
   /// @throws std::invalid_argument for a base without sensors, or options out of range.
   OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& options);
 

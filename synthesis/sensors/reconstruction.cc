@@ -139,6 +139,7 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
   MotionBaseOptions options;
   options.frame_rate_hz = kReconstructionRate_hz;
   options.jobs = jobs;
+  if (method == ReconstructionMethod::kOlng) options.tempos.assign(std::begin(kOlngTempos), std::end(kOlngTempos));
   const bool markers = method == ReconstructionMethod::kMarkers;
   const auto base = std::make_shared<const MotionBase>(source.clips, markers ? std::vector<Placement>() : sensors, options);
   switch (method) {

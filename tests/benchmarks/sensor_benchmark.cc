@@ -15,6 +15,7 @@
 #include <sys/resource.h>
 
 #include <CLI/CLI.hpp>
+#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -28,9 +29,11 @@
 #include <vector>
 
 #include "datasets/atomic_file.h"
+#include "datasets/augmentation.h"
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
 #include "datasets/dataset_loader.h"
+#include "datasets/forward_kinematics.h"
 #include "datasets/quantile.h"
 #include "datasets/resample.h"
 #include "datasets/retarget.h"
@@ -38,6 +41,7 @@
 #include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "tests/benchmarks/body_size.h"
+#include "tests/benchmarks/upright_rest.h"
 
 namespace {
 
@@ -51,11 +55,44 @@ struct Recording {
   std::string folder;
 };
 
+bool StandsAtRest(const Skeleton& skeleton) {
+  const std::vector<Eigen::Quaterniond> none(static_cast<std::size_t>(skeleton.joint_count()), Eigen::Quaterniond::Identity());
+  WorldPose pose;
+  ForwardKinematics(skeleton, none.data(), Eigen::Vector3d::Zero(), &pose);
+  const Eigen::Vector3d leg = pose.positions.col(skeleton.roles()[JointRole::kLeftAnkle]) - pose.positions.col(skeleton.roles()[JointRole::kLeftHip]);
+  return leg.normalized().y() < -0.8;
+}
+
+// Where skeletons of both kinds are to go into one base, those that do not stand at rest are given axes in which they do.
+void MakeAllStand(std::vector<Recording>* recordings) {
+  constexpr std::size_t kEvery = 12;
+  std::vector<MotionClip> lying;
+  std::size_t n = 0;
+  for (const Recording& recording : *recordings) {
+    if (!StandsAtRest(recording.clip.skeleton()) && n++ % kEvery == 0) lying.push_back(recording.clip);
+  }
+  if (n == 0 || n == recordings->size()) return;
+  const std::vector<Eigen::Quaterniond> usual = UsualPose(lying);
+  for (Recording& recording : *recordings) {
+    if (!StandsAtRest(recording.clip.skeleton())) recording.clip = WithRestPose(recording.clip, usual);
+  }
+}
+
 std::vector<Recording> Load(const std::vector<std::filesystem::path>& folders) {
   std::vector<Recording> recordings;
-  for (const LoadedClip& loaded : LoadDataset(folders).clips) {
-    if (loaded.clip.duration_s() >= 0.5) recordings.push_back({loaded.clip, loaded.file.parent_path().filename().string()});
+  for (const std::filesystem::path& path : folders) {  // one at a time: names of styles are found among files of one kind
+    const Dataset dataset = LoadDataset({path});
+    std::vector<MotionClip> clips;
+    for (const LoadedClip& loaded : dataset.clips) clips.push_back(loaded.clip);
+    std::size_t n = 0;
+    // On a level floor, as models keep their recordings.
+    for (AugmentedClip& level : Augment(clips, {}, 2)) {
+      if (level.made) continue;
+      const std::string folder = dataset.clips[n++].file.parent_path().filename().string();
+      if (level.clip.duration_s() >= 0.5) recordings.push_back({std::move(level.clip), folder});
+    }
   }
+  MakeAllStand(&recordings);
   return recordings;
 }
 
@@ -127,8 +164,8 @@ struct Trial {
   SensorFaults faults;
 };
 
-struct Outcome {
-  std::vector<double> errors_cm, jerks, clip_means_cm;
+struct Errors {
+  std::vector<double> errors_cm, clip_means_cm;
   double jerk = 0, angle_deg = 0, velocity_cm_s = 0, contacts = 0;
   long long frames = 0;
 
@@ -148,15 +185,27 @@ struct Outcome {
   }
 };
 
+struct Outcome : Errors {
+  std::map<std::string, Errors> kinds;  // by folder
+};
+
 void PrintHead(const std::string& title) {
   std::printf("\n%-62s %7s %7s %9s %7s %7s %9s %9s\n", title.c_str(), "cm", "95 %", "/ nearest", "jerk x", "angle", "velocity", "contacts");
 }
 
-void Print(const std::string& name, const Outcome& outcome, double nearest_cm) {
+void Print(const std::string& name, const Errors& outcome, double nearest_cm) {
   const auto share = static_cast<double>(outcome.frames);
   std::printf("%-62s %7.2f %7.2f %9.2f %7.2f %6.1f° %4.0f cm/s %7.1f %%\n", name.c_str(), outcome.mean(), Quantile(outcome.errors_cm, 0.95),
               outcome.mean() / nearest_cm, outcome.jerk / share, outcome.angle_deg / share, outcome.velocity_cm_s / share, 100 * outcome.contacts / share);
   std::fflush(stdout);
+}
+
+// By kind of motion, and every clip counted alike.
+void PrintKinds(const Outcome& outcome, const Outcome& nearest) {
+  for (const auto& [folder, kind] : outcome.kinds) Print("  " + folder + ", " + std::to_string(kind.clip_means_cm.size()) + " clips", kind, nearest.kinds.at(folder).mean());
+  double sum = 0;
+  for (const double mean : outcome.clip_means_cm) sum += mean;
+  std::printf("  every clip counted alike: %.2f cm, median clip %.2f cm\n", sum / static_cast<double>(outcome.clip_means_cm.size()), Median(outcome.clip_means_cm));
 }
 
 void PrintHistogram(const std::string& name, const Outcome& outcome) {
@@ -175,11 +224,29 @@ struct TestClip {
   Eigen::MatrixXd readings;
 };
 
+// Sensors of the base as they sit on the recorded body, whose joints may have other axes: each is turned as its joint is turned on the average against the same joint of the base.
+std::vector<Placement> WornBy(const MotionClip& body, const MotionClip& on_base, std::vector<Placement> sensors) {
+  if (SameRestPose(body.skeleton(), on_base.skeleton())) return sensors;
+  const std::vector<int> own = JointsOf(sensors, body.skeleton()), theirs = JointsOf(sensors, on_base.skeleton());
+  std::vector<Eigen::Matrix3d> turns(sensors.size(), Eigen::Matrix3d::Zero());
+  for (int f = 0; f < body.frame_count(); ++f) {
+    const WorldPose pose = ForwardKinematics(body, f), of_base = ForwardKinematics(on_base, f);
+    for (std::size_t s = 0; s < sensors.size(); ++s)
+      turns[s] += (pose.rotations[static_cast<std::size_t>(own[s])].conjugate() * of_base.rotations[static_cast<std::size_t>(theirs[s])]).toRotationMatrix();
+  }
+  for (std::size_t s = 0; s < sensors.size(); ++s) {
+    const Eigen::JacobiSVD<Eigen::Matrix3d> svd(turns[s], Eigen::ComputeFullU | Eigen::ComputeFullV);
+    sensors[s].joint_from_sensor = Eigen::Quaterniond(Eigen::Matrix3d(svd.matrixU() * svd.matrixV().transpose())) * sensors[s].joint_from_sensor;
+  }
+  return sensors;
+}
+
 TestClip Simulated(const Recording& recording, const MotionBase& base, const Trial& trial, std::uint64_t seed) {
   const MotionClip played = trial.tempo == 1 ? recording.clip : Retimed(recording.clip, recording.clip.frame_rate_hz() * trial.tempo);
-  Readings readings = VirtualAccelerations(trial.size == 1 ? played : OfSize(played, trial.size), base.sensors(), base.frame_rate_hz());
+  const MotionClip on_base = Retarget(played, base.shared_skeleton());
+  Readings readings = VirtualAccelerations(trial.size == 1 ? played : OfSize(played, trial.size), WornBy(played, on_base, base.sensors()), base.frame_rate_hz());
   readings = WithFaults(readings, trial.faults, seed);
-  return {recording.clip.name, Resample(Retarget(played, base.shared_skeleton()), base.frame_rate_hz()), readings.values};
+  return {recording.clip.name, Resample(on_base, base.frame_rate_hz()), readings.values};
 }
 
 std::vector<BasePose> Reconstruct(PoseEstimator& estimator, const Eigen::MatrixXd& readings) {
@@ -190,11 +257,13 @@ std::vector<BasePose> Reconstruct(PoseEstimator& estimator, const Eigen::MatrixX
 
 class Study {
  public:
-  Study(const std::vector<Recording>& recordings, std::vector<Split> splits, std::filesystem::path out, bool each)
-      : recordings_(recordings), splits_(std::move(splits)), out_(std::move(out)), each_(each) {}
+  Study(const std::vector<Recording>& recordings, std::vector<Split> splits, std::vector<double> tempos, std::filesystem::path out, bool each)
+      : recordings_(recordings), splits_(std::move(splits)), tempos_(std::move(tempos)), out_(std::move(out)), each_(each) {}
 
-  void UseBases(const std::vector<std::string>& sensors, const MotionBaseOptions& options) {
+  void UseBases(const std::vector<std::string>& sensors, MotionBaseOptions options) {
     bases_.clear();
+    options.tempos = tempos_;
+    options.jobs = 2;
     for (const Split& split : splits_) bases_.push_back(std::make_shared<MotionBase>(split.training, PlacementsAtJoints(sensors), options));
   }
 
@@ -208,6 +277,7 @@ class Study {
         const std::vector<BasePose> poses = Reconstruct(estimator, test.readings);
         const ReconstructionQuality quality = CompareWithTruth(*bases_[s], poses, test.truth);
         outcome.Add(quality);
+        outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
         if (each_) std::printf("    %-40s %6.2f cm, jerk x %.2f\n", test.name.c_str(), quality.position_rms_cm, quality.jerk_ratio);
         if (!out_.empty()) Write(*bases_[s], test, poses);
       }
@@ -261,6 +331,7 @@ class Study {
 
   const std::vector<Recording>& recordings_;
   std::vector<Split> splits_;
+  std::vector<double> tempos_;  // of more copies in the bases
   std::filesystem::path out_;
   bool each_;
   std::vector<std::shared_ptr<const MotionBase>> bases_;
@@ -282,7 +353,9 @@ void PlainRows(Study& study, const OlngOptions& options) {
   Print("the base's pose nearest to the true one (a bound)", study.NearestPose(), nearest.mean());
   Print("nearest neighbour, no paths", nearest, nearest.mean());
   Print("weighted mean of the paths, no energy", study.Try(WithPose(options, OlngPose::kWeightedMean), {}), nearest.mean());
-  Print("olng", study.Try(options, {}), nearest.mean());
+  const Outcome olng = study.Try(options, {});
+  Print("olng", olng, nearest.mean());
+  PrintKinds(olng, nearest);
 }
 
 void PriorRows(Study& study, const OlngOptions& options) {
@@ -456,6 +529,8 @@ int main(int argc, char** argv) {
   std::vector<std::string> rows = {"plain"}, sweep, only;
   bool tune = false, faulty = false, each = false;
   double tempo = 1;
+  std::vector<double> tempos(std::begin(kOlngTempos), std::end(kOlngTempos));
+  bool no_tempos = false;
   long long speed = 0;
   std::filesystem::path out;
   app.add_option("--data", data, "folders of BVH")->required();
@@ -465,6 +540,8 @@ int main(int argc, char** argv) {
   app.add_option("--sweep", sweep, "settings to try, such as K=512,I=32");
   app.add_flag("--faulty", faulty, "with --sweep: noisy sensors that are mounted askew");
   app.add_option("--tempo", tempo, "with --sweep: play the test clips this many times as fast");
+  app.add_option("--tempos", tempos, "more copies in the base, this many times as fast");
+  app.add_flag("--no-tempos", no_tempos, "none of these");
   app.add_option("--speed", speed, "time a frame on a base of this many frames");
   app.add_option("--only", only, "test clips of these folders only, such as 07 08");
   app.add_flag("--each", each, "a line a test clip as well");
@@ -477,7 +554,8 @@ int main(int argc, char** argv) {
       Speed(recordings, options, speed);
       return 0;
     }
-    Study study(recordings, MakeSplits(recordings, split, tune, only), out, each);
+    if (no_tempos) tempos.clear();
+    Study study(recordings, MakeSplits(recordings, split, tune, only), tempos, out, each);
     study.UseBases(kFour, {});
     study.Describe();
     if (!sweep.empty()) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <random>
 
+#include "datasets/resample.h"
 #include "datasets/synthetic_gait.h"
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/reconstruction_quality.h"
@@ -185,6 +186,30 @@ TEST(OlngEstimator, AFasterWalkGoesFaster) {
   const MotionClip clip = OlngShared().base->Assemble(poses);
   const auto length = [](const MotionClip& of) { return (of.root_positions().rightCols<1>() - of.root_positions().leftCols<1>()).norm(); };
   EXPECT_NEAR(length(clip) / length(known), 1, 0.12);
+}
+
+TEST(OlngEstimator, CopiesOfOtherTemposFindASlowerWalk) {
+  const OlngSetting& shared = OlngShared();
+  std::vector<MotionClip> walks = OlngWalks();
+  walks.erase(walks.begin() + 4);
+  MotionBaseOptions with_copies;
+  with_copies.tempos = {0.85};
+  const auto retimed = std::make_shared<MotionBase>(walks, shared.base->sensors(), with_copies);
+  EXPECT_EQ(retimed->own_tempo_frames(), shared.base->frame_count());
+  EXPECT_EQ(shared.base->own_tempo_frames(), shared.base->frame_count());
+  EXPECT_NEAR(static_cast<double>(retimed->frame_count()) / static_cast<double>(shared.base->frame_count()), 1 + 1 / 0.85, 0.02);
+  // As many paths, and neighbours in proportion.
+  const OlngModel plain(shared.base, {}), copied(retimed, {});
+  EXPECT_EQ(copied.options().paths, plain.options().paths);
+  EXPECT_GT(copied.options().neighbours, 2 * plain.options().neighbours);
+
+  const MotionClip slower = Resample(Retimed(shared.test, 0.8 * 30), 30);
+  const Eigen::MatrixXd readings = shared.Read(slower);
+  OlngEstimator estimator(std::make_shared<OlngModel>(retimed, OlngOptions()));
+  std::vector<BasePose> poses;
+  for (Eigen::Index f = 0; f < readings.cols(); ++f) poses.push_back(estimator.Next(readings.col(f)));
+  const double with = CompareWithTruth(*retimed, poses, slower).position_rms_cm, without = CompareWithTruth(*shared.base, RunOlng(readings, {}), slower).position_rms_cm;
+  EXPECT_LT(with, 0.9 * without) << with << " and " << without;
 }
 
 TEST(OlngEstimator, RefusesReadingsThatAreNone) {
