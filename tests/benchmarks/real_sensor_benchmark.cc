@@ -11,21 +11,40 @@
 #include <fstream>
 #include <iterator>
 #include <map>
-#include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
 
 #include "datasets/foot_strikes.h"
-#include "datasets/forward_kinematics.h"
 #include "datasets/quantile.h"
 #include "datasets/readings_reader.h"
 #include "datasets/sensor_alignment.h"
 #include "datasets/stream_repair.h"
-#include "synthesis/sensors/olng_estimator.h"
-#include "tests/benchmarks/recordings.h"
+#include "tests/benchmarks/real_sensors.h"
 
 namespace morphograph {
+
+const std::vector<BodySensor>& BodySensors() {
+  static const std::vector<BodySensor> sensors = {
+      {"L_Foot", {"LANK", "LHEE", "LTOE", "LAJC"}, "left_ankle", 2.3},
+      {"R_Foot", {"RANK", "RHEE", "RTOE", "RAJC"}, "right_ankle", 2.3},
+      {"L_LowLeg", {"LKNE", "LTIB", "LANK"}, "left_knee", 2.3},
+      {"R_LowLeg", {"RKNE", "RTIB", "RANK"}, "right_knee", 2.3},
+      {"L_LowLeg2", {"LKNE", "LTIB", "LANK"}, "left_knee", 2.3},
+      {"R_LowLeg2", {"RKNE", "RTIB", "RANK"}, "right_knee", 2.3},
+      {"L_UpLeg", {"LHJC", "LTHI", "LKNE"}, "left_hip", 0},
+      {"R_UpLeg", {"RHJC", "RTHI", "RKNE"}, "right_hip", 0},
+      {"Pelvis", {"LASI", "RASI", "LPSI", "RPSI"}, "hips", 0},
+  };
+  return sensors;
+}
+
+Eigen::Index RowOf(const Readings& readings, const std::string& name) {
+  const auto found = std::find(readings.names.begin(), readings.names.end(), name);
+  if (found == readings.names.end()) throw std::runtime_error("there is no '" + name + "'");
+  return 3 * (found - readings.names.begin());
+}
+
 namespace {
 
 using Eigen::Matrix3Xd;
@@ -43,12 +62,6 @@ json ReadJson(const std::filesystem::path& path) {
   return json::parse(text);
 }
 
-Eigen::Index RowOf(const Readings& readings, const std::string& name) {
-  const auto found = std::find(readings.names.begin(), readings.names.end(), name);
-  if (found == readings.names.end()) throw std::runtime_error("there is no '" + name + "'");
-  return 3 * (found - readings.names.begin());
-}
-
 Readings Repaired(const std::filesystem::path& path, double rate_hz = 0) {
   const RecordedReadings recorded = ReadReadings(path);
   StreamRepairOptions options;
@@ -58,35 +71,6 @@ Readings Repaired(const std::filesystem::path& path, double rate_hz = 0) {
 }
 
 // ---- the sensors of neura_s02 ----
-
-struct BodySensor {
-  const char* name;
-  std::vector<std::string> markers;  // of its segment
-  const char* joint;                 // of the skeleton, by role
-  const char* towards;               // the sensor lies half way to this joint; "" for on the joint
-  double aim_m_s2 = 0;               // 0: none is set
-};
-
-const std::vector<BodySensor>& BodySensors() {
-  static const std::vector<BodySensor> sensors = {
-      {"L_Foot", {"LANK", "LHEE", "LTOE", "LAJC"}, "left_ankle", "left_toe", 2.3},
-      {"R_Foot", {"RANK", "RHEE", "RTOE", "RAJC"}, "right_ankle", "right_toe", 2.3},
-      {"L_LowLeg", {"LKNE", "LTIB", "LANK"}, "left_knee", "left_ankle", 2.3},
-      {"R_LowLeg", {"RKNE", "RTIB", "RANK"}, "right_knee", "right_ankle", 2.3},
-      {"L_LowLeg2", {"LKNE", "LTIB", "LANK"}, "left_knee", "", 2.3},
-      {"R_LowLeg2", {"RKNE", "RTIB", "RANK"}, "right_knee", "", 2.3},
-      {"L_UpLeg", {"LHJC", "LTHI", "LKNE"}, "left_hip", "left_knee", 0},
-      {"R_UpLeg", {"RHJC", "RTHI", "RKNE"}, "right_hip", "right_knee", 0},
-      {"Pelvis", {"LASI", "RASI", "LPSI", "RPSI"}, "hips", "", 0},
-  };
-  return sensors;
-}
-
-struct NeuraRecording {
-  Readings sensors, markers;
-  int walk_first = 0, walk_last = 0;  // samples
-  std::map<std::string, std::vector<double>> strikes_s, doubtful_s;  // by label
-};
 
 NeuraRecording ReadNeura(const std::filesystem::path& data) {
   NeuraRecording neura;
@@ -234,123 +218,6 @@ void PrintMarkers(const std::filesystem::path& data) {
                   repaired.rate_hz, top, 100 * repaired.lost_share, repaired.dead_sensors.size());
     }
   }
-}
-
-// ---- poses ----
-
-// Knees and ankles from the middle of the hips: left, up, forwards of the hips.
-Eigen::Matrix<double, 3, 4> LegPlaces(const Eigen::Matrix<double, 3, 6>& joints) {
-  const Vector3d middle = (joints.col(0) + joints.col(1)) / 2;
-  Vector3d left = joints.col(0) - joints.col(1);
-  left.y() = 0;
-  left.normalize();
-  Eigen::Matrix3d axes;
-  axes << left, Vector3d::UnitY(), left.cross(Vector3d::UnitY());
-  return axes.transpose() * (joints.rightCols<4>().colwise() - middle);
-}
-
-double LegLength(const Eigen::Matrix<double, 3, 6>& joints) {
-  double length = 0;
-  for (int side = 0; side < 2; ++side) length += ((joints.col(side) - joints.col(2 + side)).norm() + (joints.col(2 + side) - joints.col(4 + side)).norm()) / 2;
-  return length;
-}
-
-const char* const kJointCentres[] = {"LHJC", "RHJC", "LKJC", "RKJC", "LAJC", "RAJC"};
-const JointRole kLegRoles[] = {JointRole::kLeftHip, JointRole::kRightHip, JointRole::kLeftKnee, JointRole::kRightKnee, JointRole::kLeftAnkle, JointRole::kRightAnkle};
-
-// Readings over the walking part, turned to how the base's sensors sit, by what both say on the whole.
-Readings OnTheBase(const Readings& readings, const MotionBase& base, double from_s, double to_s) {
-  Readings part = readings;
-  const auto first = static_cast<Eigen::Index>(std::lround(from_s * base.frame_rate_hz())), last = static_cast<Eigen::Index>(std::lround(to_s * base.frame_rate_hz()));
-  part.values = readings.values.middleCols(first, last - first + 1).eval();
-  part.times_s.assign(readings.times_s.begin() + first, readings.times_s.begin() + last + 1);
-  for (Eigen::Index s = 0; s < part.sensor_count(); ++s) {
-    const Matrix3Xd reference = base.accelerations().middleRows<3>(3 * s).cast<double>();
-    part.values.middleRows<3>(3 * s) = (MountingByMoments(reference, part.values.middleRows<3>(3 * s)).toRotationMatrix() * part.values.middleRows<3>(3 * s)).eval();
-  }
-  return part;
-}
-
-struct PoseErrors {
-  double rms_cm = 0, p95_cm = 0;
-};
-
-PoseErrors Reconstruct(const std::shared_ptr<const OlngModel>& model, const Readings& readings, const std::vector<Eigen::Matrix<double, 3, 6>>& truth) {
-  const MotionBase& base = model->base();
-  OlngEstimator estimator(model);
-  std::vector<double> errors;
-  for (int i = 0; i < readings.sample_count() && i < static_cast<int>(truth.size()); ++i) {
-    const std::vector<Eigen::Quaterniond> local = base.LocalRotations(estimator.Next(readings.values.col(i)).rotations);
-    WorldPose pose;
-    ForwardKinematics(base.skeleton(), local.data(), Vector3d::Zero(), &pose);
-    Eigen::Matrix<double, 3, 6> joints;
-    for (int j = 0; j < 6; ++j) joints.col(j) = pose.positions.col(base.skeleton().roles()[kLegRoles[j]]);
-    const Eigen::Matrix<double, 3, 6>& true_joints = truth[static_cast<std::size_t>(i)];
-    const Eigen::Matrix<double, 3, 4> difference = LegPlaces(joints) * (LegLength(true_joints) / LegLength(joints)) - LegPlaces(true_joints);
-    errors.push_back(100 * std::sqrt(difference.colwise().squaredNorm().mean()));
-  }
-  PoseErrors summary;
-  for (const double error : errors) summary.rms_cm += error / static_cast<double>(errors.size());
-  summary.p95_cm = Quantile(errors, 0.95);
-  return summary;
-}
-
-void PrintPoses(const std::filesystem::path& data, const NeuraRecording& neura) {
-  constexpr double kRate_hz = 30;
-  std::printf("\nPoses by `olng` from 5 sensors (feet, shanks, pelvis), base: bnr walks and turns; knees and ankles against the marker joint centres, seen from the hips, legs scaled to one length\n");
-  std::vector<MotionClip> clips;
-  for (Recording& recording : LoadRecordings(data / "bnr/dataset-2", {"walk", "walk-turn-left", "walk-turn-right"}, kRate_hz, true)) clips.push_back(std::move(recording.common));
-  const Skeleton& skeleton = clips.front().skeleton();
-  std::vector<Placement> placements;
-  std::vector<BodySensor> used;
-  for (const char* name : {"L_Foot", "R_Foot", "L_LowLeg", "R_LowLeg", "Pelvis"}) {
-    used.push_back(*std::find_if(BodySensors().begin(), BodySensors().end(), [&](const BodySensor& s) { return s.name == std::string(name); }));
-    Placement placement{name, used.back().joint};
-    if (*used.back().towards) placement.offset_m = 0.5 * skeleton.joint(skeleton.FindRoleOrName(used.back().towards)).offset_m;
-    placements.push_back(placement);
-  }
-  MotionBaseOptions options;
-  options.frame_rate_hz = kRate_hz;
-  options.jobs = 2;
-  const auto model = std::make_shared<const OlngModel>(std::make_shared<MotionBase>(clips, placements, options), OlngOptions());
-
-  // What was read, and what perfect sensors in the same places would have read.
-  Readings real, simulated;
-  const int samples = neura.sensors.sample_count();
-  real.values.resize(3 * static_cast<Eigen::Index>(used.size()), samples);
-  simulated.values = real.values;
-  for (std::size_t s = 0; s < used.size(); ++s) {
-    const auto row = 3 * static_cast<Eigen::Index>(s);
-    const SegmentMotion segment = SegmentFromMarkers(neura.markers, used[s].markers);
-    real.values.middleRows<3>(row) = neura.sensors.values.middleRows<3>(RowOf(neura.sensors, used[s].name));
-    simulated.values.middleRows<3>(row) = ReadingsOf(segment, AlignSensor(segment, real.values.middleRows<3>(row)), 15);
-    real.names.emplace_back(used[s].name);
-  }
-  real.times_s = neura.sensors.times_s;
-  simulated.names = real.names;
-  simulated.times_s = real.times_s;
-  StreamRepairOptions at_rate;
-  at_rate.rate_hz = kRate_hz;
-  const double from_s = neura.walk_first / 100.0, to_s = neura.walk_last / 100.0;
-
-  at_rate.kind = ReadingsKind::kMarkers;
-  const Readings markers = RepairStream(neura.markers, at_rate).readings;
-  std::vector<Eigen::Matrix<double, 3, 6>> truth;
-  for (auto i = static_cast<int>(std::lround(from_s * kRate_hz)); i <= static_cast<int>(std::lround(to_s * kRate_hz)); ++i) {
-    truth.emplace_back();
-    for (int j = 0; j < 6; ++j) truth.back().col(j) = markers.values.col(i).segment<3>(RowOf(markers, kJointCentres[j]));
-  }
-  Eigen::Matrix<double, 3, 4> mean = Eigen::Matrix<double, 3, 4>::Zero();
-  for (const auto& joints : truth) mean += LegPlaces(joints) / static_cast<double>(truth.size());
-  double still = 0;
-  for (const auto& joints : truth) still += 100 * std::sqrt((LegPlaces(joints) - mean).colwise().squaredNorm().mean()) / static_cast<double>(truth.size());
-
-  at_rate.kind = ReadingsKind::kAccelerations;
-  for (const auto& [name, readings] : {std::pair<const char*, const Readings*>{"real sensors", &real}, {"simulated sensors", &simulated}}) {
-    const PoseErrors errors = Reconstruct(model, OnTheBase(RepairStream(*readings, at_rate).readings, model->base(), from_s, to_s), truth);
-    std::printf("  %-20s mean %.2f cm, 95th percentile %.2f cm\n", name, errors.rms_cm, errors.p95_cm);
-  }
-  std::printf("  %-20s mean %.2f cm (the person's own mean pose, always)\n", "for comparison", still);
 }
 
 }  // namespace
