@@ -129,8 +129,9 @@ void CheckExtent(const ClipRequest& request, Findings* findings) {
   const double seconds = ExpectedDuration_s(request);
   const double rate_hz = request.output.frame_rate_hz.value_or(30);
   if (seconds * rate_hz > kMaxFrames) {
-    const bool by_way = !request.duration_s && !request.steps && !request.control.sensors;
-    findings->Unmeetable(request.duration_s ? "/duration" : request.steps ? "/steps" : request.control.sensors ? "/sensors/readings" : request.control.path ? "/path/points" : "/goal",
+    const bool by_readings = request.control.sensors && !(request.control.goal && request.control.goal->time_s);
+    const bool by_way = !request.duration_s && !request.steps && !by_readings;
+    findings->Unmeetable(request.duration_s ? "/duration" : request.steps ? "/steps" : by_readings ? "/sensors/readings" : request.control.path ? "/path/points" : "/goal",
                          "a clip has at most " + std::to_string(kMaxFrames) + " frames; at " + NumberText(rate_hz) +
                              " frames per second at most " + NumberText(std::floor(kMaxFrames / rate_hz)) + " seconds" +
                              (by_way ? ", and this way takes about " + NumberText(std::round(seconds)) : ""));

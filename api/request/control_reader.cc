@@ -23,6 +23,8 @@ void ReadTolerance(std::string_view name, const NumberBounds& bounds, ObjectRead
   }
 }
 
+void ReadWeight(ObjectReader* reader, double* weight) { ReadTolerance("weight", {0.01, 100, "times"}, reader, weight); }
+
 std::optional<double> ReadTime(const json& value, const std::string& pointer, Findings* findings) {
   if (value.is_number() && value.get<double>() < 0) {
     findings->Malformed(pointer, "must be 0 or more seconds");
@@ -58,6 +60,7 @@ void ReadPath(const json& object, Findings* findings, ControlTerms* terms) {
   const auto is_same = [](const Eigen::Vector2d& kept, const Eigen::Vector2d& next) { return (next - kept).norm() < kSamePoint_m; };
   path.points_m.erase(std::unique(path.points_m.begin(), path.points_m.end(), is_same), path.points_m.end());
   ReadTolerance("tolerance", kToleranceBounds_m, &reader, &path.tolerance_m);
+  ReadWeight(&reader, &path.weight);
   if (const auto interpolation = reader.Text("interpolation")) {
     path.smooth = *interpolation == "spline";
     if (!path.smooth && *interpolation != "linear") findings->Malformed("/path/interpolation", "must be \"linear\" or \"spline\"");
@@ -72,6 +75,7 @@ void ReadGoal(const json& object, Findings* findings, ControlTerms* terms) {
     goal.position_m = *position;
   goal.heading_rad = ReadAngle("heading", &reader);
   ReadTolerance("tolerance", kToleranceBounds_m, &reader, &goal.tolerance_m);
+  ReadWeight(&reader, &goal.weight);
   double tolerance_deg = DegreesFromRadians(goal.heading_tolerance_rad);
   ReadTolerance("heading_tolerance", kToleranceBounds_deg, &reader, &tolerance_deg);
   goal.heading_tolerance_rad = RadiansFromDegrees(tolerance_deg);
@@ -107,6 +111,7 @@ void ReadSpeedProfile(const json& object, Findings* findings, SpeedTerm* speed) 
     speed->profile.push_back({time_s.value_or(0), speed_m_s.value_or(0)});
   }
   ReadTolerance("tolerance", kToleranceBounds_m_s, &reader, &speed->tolerance_m_s);
+  ReadWeight(&reader, &speed->weight);
   reader.RefuseOthers();
 }
 
@@ -122,6 +127,7 @@ void ReadConstraints(const json& list, Findings* findings, ControlTerms* terms) 
     const auto type = reader.Required("type", reader.Text("type"), ConstraintTypes());
     if (!type) continue;
     if (ReadConstraint(*type, &reader, &constraint)) {
+      std::visit([&](auto& term) { ReadWeight(&reader, &term.weight); }, constraint);
       reader.RefuseOthers();
     } else {
       findings->Malformed(reader.At("type"), "must be one of " + ConstraintTypes());
@@ -138,7 +144,7 @@ void ReadControlTerms(ObjectReader* request, ControlTerms* terms) {
   if (const json* sensors = request->Object("sensors")) {
     SensorTerm& term = terms->sensors.emplace();
     double tolerance_m_s2 = 0;
-    PlacedReadings placed = ReadPlacedReadings(*sensors, "/sensors", findings, &tolerance_m_s2);
+    PlacedReadings placed = ReadPlacedReadings(*sensors, "/sensors", findings, &tolerance_m_s2, &term.weight);
     term.readings = std::move(placed.readings);
     term.placements = std::move(placed.placements);
     if (tolerance_m_s2 > 0) term.tolerance_m_s2 = tolerance_m_s2;

@@ -26,6 +26,8 @@ std::string ConstraintTypes();
 
 /// A tolerance, which must be above 0; `*value` stays as it is where the field is absent.
 void ReadTolerance(std::string_view name, const NumberBounds& bounds, ObjectReader* reader, double* value);
+/// "weight": how much a term counts against others, above 0; `*weight` stays as it is where the field is absent.
+void ReadWeight(ObjectReader* reader, double* weight);
 inline constexpr NumberBounds kToleranceBounds_m{0.001, 1000, "m"};
 inline constexpr NumberBounds kToleranceBounds_deg{0.1, 180, "degrees"};
 inline constexpr NumberBounds kToleranceBounds_m_s{0.001, 100, "m/s"};

@@ -48,6 +48,7 @@ ordered_json SensorsJson(const SensorTerm& term) {
     }
   }
   if (term.tolerance_m_s2) json["tolerance"] = *term.tolerance_m_s2;
+  PutUnless(1, "weight", term.weight, &json);
   return json;
 }
 
@@ -124,6 +125,7 @@ void WriteControlTerms(const ControlTerms& terms, ordered_json* request) {
     ordered_json& json = (*request)["path"] = {{"points", PointsJson(path->points_m)}};
     if (path->smooth) json["interpolation"] = "spline";
     PutTolerance_m(*path, &json);
+    PutUnless(1, "weight", path->weight, &json);
   }
   if (const auto& goal = terms.goal) {
     ordered_json& json = (*request)["goal"] = {{"position", PointJson(goal->position_m)}};
@@ -131,9 +133,10 @@ void WriteControlTerms(const ControlTerms& terms, ordered_json* request) {
     PutTolerance_m(*goal, &json);
     PutUnless(DegreesFromRadians(GoalTerm().heading_tolerance_rad), "heading_tolerance", DegreesFromRadians(goal->heading_tolerance_rad), &json);
     if (goal->time_s) json["time"] = *goal->time_s;
+    PutUnless(1, "weight", goal->weight, &json);
   }
   if (const auto& speed = terms.speed) {
-    const bool is_plain = speed->profile.size() == 1 && speed->profile[0].time_s == 0 && speed->tolerance_m_s == SpeedTerm().tolerance_m_s;
+    const bool is_plain = speed->profile.size() == 1 && speed->profile[0].time_s == 0 && speed->tolerance_m_s == SpeedTerm().tolerance_m_s && speed->weight == 1;
     if (is_plain) {
       (*request)["speed"] = speed->profile[0].speed_m_s;
     } else {
@@ -141,12 +144,16 @@ void WriteControlTerms(const ControlTerms& terms, ordered_json* request) {
       ordered_json& profile = json["profile"] = ordered_json::array();
       for (const SpeedTerm::Knot& knot : speed->profile) profile.push_back({knot.time_s, knot.speed_m_s});
       PutUnless(SpeedTerm().tolerance_m_s, "tolerance", speed->tolerance_m_s, &json);
+      PutUnless(1, "weight", speed->weight, &json);
     }
   }
   if (terms.sensors) (*request)["sensors"] = SensorsJson(*terms.sensors);
   if (terms.constraints.empty()) return;
   ordered_json& constraints = (*request)["constraints"] = ordered_json::array();
-  for (const Constraint& constraint : terms.constraints) constraints.push_back(std::visit(ConstraintWriter(), constraint));
+  for (const Constraint& constraint : terms.constraints) {
+    constraints.push_back(std::visit(ConstraintWriter(), constraint));
+    std::visit([&](const auto& term) { PutUnless(1, "weight", term.weight, &constraints.back()); }, constraint);
+  }
 }
 
 }  // namespace morphograph

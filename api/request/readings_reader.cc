@@ -87,7 +87,7 @@ std::vector<Placement> ReadPlacementList(ObjectReader* reader, Findings* finding
   return placements;
 }
 
-PlacedReadings ReadPlacedReadings(const json& object, const std::string& pointer, Findings* findings, double* tolerance) {
+PlacedReadings ReadPlacedReadings(const json& object, const std::string& pointer, Findings* findings, double* tolerance, double* weight) {
   PlacedReadings placed;
   ObjectReader reader(object, pointer, findings);
   placed.placements = ReadPlacementList(&reader, findings);
@@ -96,6 +96,7 @@ PlacedReadings ReadPlacedReadings(const json& object, const std::string& pointer
   if (!rows && !reader.Has("readings")) findings->Malformed(reader.At("readings"), "required: a row a sample, three numbers a sensor");
   ReadTimes(&reader, rows ? rows->size() : 0, &placed.readings);
   if (tolerance) ReadTolerance("tolerance", {0.01, 1000, "m/s^2"}, &reader, tolerance);
+  if (weight) ReadWeight(&reader, weight);
   reader.RefuseOthers();
   if (!rows || findings->any()) return placed;
   const std::size_t width = 3 * placed.placements.size();

@@ -21,7 +21,8 @@ struct PlacedReadings {
 std::vector<Placement> ReadPlacementList(ObjectReader* reader, Findings* findings);
 
 /// Reads `{"rate", "placements", "readings"}`: a row a sample, three numbers a sensor, null for what was lost; "times" in seconds may stand in place of "rate".
-/// @param tolerance  of the readings on a clip, m/s^2, where a request may have one; stays as it is where it is absent.
-PlacedReadings ReadPlacedReadings(const nlohmann::json& object, const std::string& pointer, Findings* findings, double* tolerance = nullptr);
+/// @param tolerance, weight  of the readings on a clip (m/s^2), where a request may have them; they stay as they are where they are absent.
+PlacedReadings ReadPlacedReadings(const nlohmann::json& object, const std::string& pointer, Findings* findings, double* tolerance = nullptr,
+                                  double* weight = nullptr);
 
 }  // namespace morphograph

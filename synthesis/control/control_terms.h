@@ -17,7 +17,8 @@ namespace morphograph {
 struct SensorGuide;
 
 /// What a clip can be asked to do (METHODS section 4). Positions on the floor are (x, z), all lengths metres, angles radians.
-/// A term is met where its residual, measured on the finished clip, is no more than its tolerance.
+/// A term is met where its residual, measured on the finished clip, is no more than its tolerance. Its weight says how much its squared residuals count in the
+/// optimisation against those of other terms and of the steps' likelihood: above 0, usually 1.
 
 /// The moment that a term is about: a time from the clip's start, or a key frame; key frame 0 begins the first step, and key frame n ends
 /// the n-th. Exactly one of them.
@@ -32,6 +33,7 @@ struct PathTerm {
   std::vector<Eigen::Vector2d> points_m;  // two or more
   bool smooth = false;                    // a spline through the points in place of straight lines between them
   double tolerance_m = 0.10;
+  double weight = 1;
 };
 
 /// Where the clip ends. Residuals: distance (m), and angle where a heading is asked for.
@@ -41,6 +43,7 @@ struct GoalTerm {
   double tolerance_m = 0.05;
   double heading_tolerance_rad = 5 * 0.017453292519943295;
   std::optional<double> time_s = {};  // of arrival; the clip's duration, where that is given, says the same
+  double weight = 1;
 };
 
 /// Speed of the root over the floor, step by step. Residual: mean over the steps of |speed of a step - wanted| (m/s).
@@ -51,6 +54,7 @@ struct SpeedTerm {
   };
   std::vector<Knot> profile;  // by time, linear between knots and constant outside; one knot is a constant speed
   double tolerance_m_s = 0.10;
+  double weight = 1;
 };
 
 /// A joint at a point at a moment. Residual: distance (m), over the coordinates that are given.
@@ -60,6 +64,7 @@ struct PositionTerm {
   Eigen::Vector3d value_m = Eigen::Vector3d::Zero();
   bool use[3] = {true, true, true};  // which coordinates count
   double tolerance_m = 0.03;
+  double weight = 1;
 };
 
 /// A joint's world orientation at a moment, as a turn from the pose in which the skeleton was written down (all rotations zero).
@@ -69,6 +74,7 @@ struct OrientationTerm {
   ControlMoment at;
   Eigen::Quaterniond value = Eigen::Quaterniond::Identity();
   double tolerance_rad = 10 * 0.017453292519943295;
+  double weight = 1;
 };
 
 /// A joint on a line in space, point by point in time. Residual: the largest distance at the given times (m).
@@ -77,6 +83,7 @@ struct TrajectoryTerm {
   std::vector<double> times_s;             // rising
   std::vector<Eigen::Vector3d> points_m;   // one a time
   double tolerance_m = 0.05;
+  double weight = 1;
 };
 
 /// Heading of the pelvis at a moment. Residual: angle.
@@ -84,6 +91,7 @@ struct HeadingTerm {
   ControlMoment at;
   double value_rad = 0;
   double tolerance_rad = 5 * 0.017453292519943295;
+  double weight = 1;
 };
 
 /// Where a foot is put: its index-th planted interval as the report's contacts list them, from 0. Residual: distance on the floor (m).
@@ -92,6 +100,7 @@ struct FootstepTerm {
   int index = 0;
   Eigen::Vector2d value_m = Eigen::Vector2d::Zero();
   double tolerance_m = 0.03;
+  double weight = 1;
 };
 
 /// An area that neither root nor feet may enter. Residual: how deep they come (m), 0 outside.
@@ -99,6 +108,7 @@ struct KeepOutTerm {
   Eigen::Vector2d center_m = Eigen::Vector2d::Zero();  // circle, where there is no polygon
   double radius_m = 0;
   std::vector<Eigen::Vector2d> polygon_m = {};  // three or more corners, simple; either sense of turn
+  double weight = 1;
 };
 
 /// The head is turned towards a point for a time. Residual: mean angle between where it faces and the point.
@@ -107,6 +117,7 @@ struct LookAtTerm {
   double to_s = 0;
   Eigen::Vector3d value_m = Eigen::Vector3d::Zero();
   double tolerance_rad = 10 * 0.017453292519943295;
+  double weight = 1;
 };
 
 /// Joints at points given in the frame of the pelvis (origin below the hips on the floor, +Z where it heads) at a moment.
@@ -116,6 +127,7 @@ struct PoseTerm {
   std::vector<std::string> joints;
   std::vector<Eigen::Vector3d> values_m;
   double tolerance_m = 0.05;
+  double weight = 1;
 };
 
 using Constraint = std::variant<PositionTerm, OrientationTerm, TrajectoryTerm, HeadingTerm, FootstepTerm, KeepOutTerm, LookAtTerm, PoseTerm>;
@@ -126,6 +138,7 @@ struct SensorTerm {
   Readings readings;                  // m/s^2, gravity included; the first sample is the clip's start
   std::vector<Placement> placements;  // one a sensor of `readings`, in order
   std::optional<double> tolerance_m_s2 = {};  // absent: any residual will do
+  double weight = 1;
   std::shared_ptr<const SensorGuide> guide = {};  // made of them beforehand (MakeSensorGuide); empty: made by Synthesize()
 };
 

@@ -11,7 +11,8 @@ namespace morphograph {
 namespace {
 
 constexpr int kFewestSamples = 3;
-constexpr double kLongestReadings_s = kMaxDuration_s;
+// Readings that may steer a clip, in seconds times (3 + sensors): 2 minutes of four sensors. Each solution looks at all of them.
+constexpr double kMostReadings = 840;
 
 // The style that a request names; empty where readings are to say it.
 std::optional<int> StyleAskedFor(const MotionGraph& graph, const SynthesisRequest& request) {
@@ -24,8 +25,19 @@ std::optional<int> StyleAskedFor(const MotionGraph& graph, const SynthesisReques
   return std::nullopt;  // which Synthesize() refuses
 }
 
+// Whether readings may choose among the styles: of the graph's own action, none named.
+bool IsOwnAction(const MotionGraph& graph, const SynthesisRequest& request) {
+  return !request.style && request.action.value_or(graph.action_names().front()) == graph.action_names().front();
+}
+
 void Check(const MotionGraph& graph, const SynthesisRequest& request) {
   const SensorTerm& term = *request.control.sensors;
+  if (graph.layout().rotation_form() != RotationForm::kLogMap) throw UnsatisfiableRequest("/model", "its poses are Euler angles, which cannot be steered");
+  const double longest_s = kMostReadings / (3 + static_cast<double>(term.placements.size()));
+  if (!term.readings.times_s.empty() && term.readings.times_s.back() - term.readings.times_s.front() > longest_s) {
+    throw UnsatisfiableRequest("/sensors/readings", "of " + std::to_string(term.placements.size()) + " sensors at most " +
+                                                        std::to_string(static_cast<int>(longest_s)) + " seconds can steer a clip");
+  }
   if (request.start_from != WalkBoundary::kWalking) throw UnsatisfiableRequest("/start/from", "a clip that readings steer begins inside a walk");
   if (request.end != WalkBoundary::kWalking) throw UnsatisfiableRequest("/end", "a clip that readings steer ends inside a walk");
   for (std::size_t i = 0; i < term.placements.size(); ++i) {
@@ -42,6 +54,8 @@ std::shared_ptr<const SensorGuide> MakeSensorGuide(const MotionGraph& graph, con
   Check(graph, request);
   const SensorTerm& term = *request.control.sensors;
   auto guide = std::make_shared<SensorGuide>();
+  const std::optional<int> style = StyleAskedFor(graph, request);
+  if ((request.style || request.action) && !style && !IsOwnAction(graph, request)) return guide;  // no such style or action, which Synthesize() says
   if (term.readings.sample_count() < kFewestSamples) {
     guide->placements = term.placements;
     guide->readings.resize(3 * static_cast<Eigen::Index>(term.placements.size()), 0);
@@ -63,7 +77,6 @@ std::shared_ptr<const SensorGuide> MakeSensorGuide(const MotionGraph& graph, con
     for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * static_cast<Eigen::Index>(s) + axis);
   }
   guide->readings = readings.values(rows, Eigen::all);
-  if (guide->duration_s() > kLongestReadings_s) throw UnsatisfiableRequest("/sensors/readings", "at most " + std::to_string(static_cast<int>(kLongestReadings_s)) + " seconds at a time");
 
   std::shared_ptr<const SensorSteps> steps;
   if (source) {
@@ -72,7 +85,11 @@ std::shared_ptr<const SensorGuide> MakeSensorGuide(const MotionGraph& graph, con
     const MotionSource recorded = SourceOf(graph);
     steps = std::make_shared<const SensorSteps>(recorded.clips, recorded.steps, graph.layout(), guide->placements);
   }
-  guide->walk = FindWalk(graph, *steps, guide->readings, StyleAskedFor(graph, request));
+  guide->walk = FindWalk(graph, *steps, guide->readings, style);
+  for (std::size_t k = 1; k < guide->walk.steps.size(); ++k) {
+    if (guide->walk.steps[k].step.edge >= 0) continue;
+    throw UnsatisfiableRequest(request.style ? "/style" : "/model", "its left and right steps are not joined by transitions, which steering needs");
+  }
   return guide;
 }
 

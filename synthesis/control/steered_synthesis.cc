@@ -53,13 +53,15 @@ std::vector<UnmetField> MomentsPastTheEnd(const ControlProblem& problem, const W
   const double all_s = plan.frames / problem.frame_rate_hz;
   const auto within = std::count_if(plan.places.begin(), plan.places.end(), [&](const KeyframePlace& place) { return place[kPlaceTime] < all_s; });
   const int last = static_cast<int>(within) - 1;
+  const int first = plan.places.front()[kPlaceTime] < -0.5 / problem.frame_rate_hz ? 1 : 0;  // a clip of readings begins inside of a step
   std::vector<UnmetField> unmet;
   const auto time = [&](const std::string& pointer, double value) {
     if (value > end_s) unmet.push_back({pointer, "the clip ends at " + Quantity((plan.frames - 1) / problem.frame_rate_hz, "s")});
   };
   const auto moment = [&](const std::string& pointer, const ControlMoment& at) {
     if (at.time_s) time(pointer + "/time", *at.time_s);
-    if (at.keyframe && (*at.keyframe < 0 || *at.keyframe > last)) unmet.push_back({pointer + "/keyframe", "the clip has key frames 0 to " + std::to_string(last)});
+    if (at.keyframe && (*at.keyframe < first || *at.keyframe > last))
+      unmet.push_back({pointer + "/keyframe", "the clip has key frames " + std::to_string(first) + " to " + std::to_string(last)});
   };
   const auto& constraints = problem.request.control.constraints;
   for (size_t i = 0; i < constraints.size(); ++i) {

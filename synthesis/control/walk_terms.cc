@@ -1,5 +1,6 @@
 #include "synthesis/control/walk_terms.h"
 
+#include <ceres/loss_function.h>
 #include <ceres/problem.h>
 
 #include <algorithm>
@@ -10,6 +11,7 @@
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/step_track.h"
+#include "synthesis/unsatisfiable_request.h"
 
 namespace morphograph {
 namespace {
@@ -20,6 +22,8 @@ constexpr double kArrival_s = 0.01;
 constexpr double kLoosePoint_m = 0.05, kLooseLook_rad = 0.35;  // deviations of what arms and head finish
 constexpr double kReachSpare_m = 0.02;   // past what an arm did not reach
 constexpr bool kAllAxes[3] = {true, true, true};
+constexpr double kMostWork = 250'000;  // units of SteerBudget that one look at all terms may take, some seconds
+constexpr double kSensor = 4;            // more of these, for each sensor on a pose
 constexpr double kWholePose = 12;        // units of SteerBudget: a term that needs a joint of a whole pose
 constexpr double kRootMargin_m = 0.02;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
@@ -39,7 +43,9 @@ void WalkTerms::AddAll() {
 // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
 void WalkTerms::Add(StepResidual* residual, size_t step, double work) {
   work_ += work;
-  equations_->AddResidualBlock(residual, nullptr, walk_.latents[step].data(), walk_.places[step].data());
+  ceres::LossFunction* scale = weight_ == 1 ? nullptr : new ceres::ScaledLoss(nullptr, weight_, ceres::TAKE_OWNERSHIP);
+  equations_->AddResidualBlock(residual, scale, walk_.latents[step].data(), walk_.places[step].data());
+  if (work_ > kMostWork) throw UnsatisfiableRequest("/constraints", "all that is asked for takes too much work at a time; ask for fewer terms or areas, for shorter times, or a shorter way");
   const Eigen::MatrixXd rows = residual->ByLatent(walk_.latents[step], walk_.places[step]);
   for (Eigen::Index r = 0; r < rows.rows(); ++r) directions_[step].push_back(rows.row(r));
 }
@@ -67,6 +73,7 @@ void WalkTerms::AddPathAndGoal() {
   const ControlTerms& control = problem_.request.control;
   const double end = walk_.EndTime();
   if (control.path) {
+    weight_ = control.path->weight;
     for (size_t k = 0; k < walk_.steps.size(); ++k) {
       for (const double phase : {0.0, 0.5}) {
         if (walk_.places[k][kPlaceTime] + phase * (walk_.places[k + 1][kPlaceTime] - walk_.places[k][kPlaceTime]) > end) continue;
@@ -77,6 +84,7 @@ void WalkTerms::AddPathAndGoal() {
   if (problem_.goal_m) {
     Moment at = walk_.MomentOfTime(end);
     if (const auto keyframe = walk_.LastKeyframe()) at = {*keyframe - 1, {false, 1}, walk_.frames - 1};
+    weight_ = control.goal ? control.goal->weight : control.path->weight;
     const double tolerance = control.goal ? control.goal->tolerance_m : control.path->tolerance_m;
     Eigen::Vector3d deviation(kTight * tolerance, kTight * tolerance, kFree);
     double heading = 0;
@@ -93,6 +101,7 @@ void WalkTerms::AddPathAndGoal() {
     equations_->AddResidualBlock(new ArrivalResidual(*problem_.guide.duration_s - margin, kArrival_s), nullptr, walk_.places.back().data());
   }
   if (control.speed) {
+    weight_ = control.speed->weight;
     for (size_t k = 0; k < walk_.steps.size() && walk_.places[k + 1][kPlaceTime] <= end + 1e-9; ++k) {
       const double middle = (walk_.places[k][kPlaceTime] + walk_.places[k + 1][kPlaceTime]) / 2;
       Add(new SpeedResidual(walk_.kinematics[k], SpeedAt(control.speed->profile, middle), sternness_.mean_part * control.speed->tolerance_m_s), k);
@@ -103,6 +112,7 @@ void WalkTerms::AddPathAndGoal() {
 // Readings, by the steps in whose time they lie.
 void WalkTerms::AddSensors() {
   if (!problem_.sensors) return;
+  weight_ = problem_.request.control.sensors->weight;
   const auto last = std::min<Eigen::Index>(walk_.readings.cols() - 2, static_cast<Eigen::Index>(walk_.EndTime() * kSensorRate_hz) - 1);
   Eigen::Index from = 1;
   for (size_t k = 0; k < walk_.steps.size() && from <= last; ++k) {
@@ -110,7 +120,8 @@ void WalkTerms::AddSensors() {
     while (to <= last && (static_cast<double>(to) / kSensorRate_hz < walk_.places[k + 1][kPlaceTime] || k + 1 == walk_.steps.size())) ++to;
     if (to == from) continue;
     Add(new SensorResidual(walk_.kinematics[k], problem_.chained_sensors, static_cast<double>(from) / kSensorRate_hz, kSensorRate_hz,
-                                    walk_.readings.middleCols(from, to - from), kReadingDeviation_m_s2), k);
+                           walk_.readings.middleCols(from, to - from), kReadingDeviation_m_s2),
+        k, static_cast<double>(to - from) * (kWholePose + kSensor * static_cast<double>(problem_.chained_sensors.size())));
     from = to;
   }
 }
@@ -118,7 +129,12 @@ void WalkTerms::AddSensors() {
 void WalkTerms::AddConstraints() {
   const auto& constraints = problem_.request.control.constraints;
   for (size_t i = 0; i < constraints.size(); ++i) {
-    std::visit([&](const auto& term) { AddTerm(term, problem_.joints[i]); }, constraints[i]);
+    std::visit(
+        [&](const auto& term) {
+          weight_ = term.weight;
+          AddTerm(term, problem_.joints[i]);
+        },
+        constraints[i]);
   }
 }
 

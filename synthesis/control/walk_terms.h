@@ -66,6 +66,7 @@ class WalkTerms {
   std::list<Eigen::Vector3d> offsets_;
   std::vector<std::vector<Eigen::RowVectorXd>> directions_;
   double work_ = 0;
+  double weight_ = 1;  // of the term that is being added
 };
 
 }  // namespace morphograph

@@ -22,16 +22,16 @@ constexpr double kDegree = std::numbers::pi / 180;
 constexpr const char* kEverything = R"({
   "model": "walk", "seed": 1, "duration": 8,
   "start": {"position": [0, 0], "heading": 90},
-  "goal": {"position": [4, 3], "heading": -30, "tolerance": 0.04, "heading_tolerance": 3, "time": 8},
-  "path": {"points": [[0, 0], [2, 0], [2, 0], [4, 3]], "tolerance": 0.2, "interpolation": "spline"},
-  "speed": {"profile": [[0, 1], [4, 1.5]], "tolerance": 0.2},
+  "goal": {"position": [4, 3], "heading": -30, "tolerance": 0.04, "heading_tolerance": 3, "time": 8, "weight": 3},
+  "path": {"points": [[0, 0], [2, 0], [2, 0], [4, 3]], "tolerance": 0.2, "interpolation": "spline", "weight": 0.5},
+  "speed": {"profile": [[0, 1], [4, 1.5]], "tolerance": 0.2, "weight": 2},
   "constraints": [
-    {"type": "position", "joint": "right_wrist", "time": 3.2, "value": [2.1, null, 0.4], "tolerance": 0.02},
+    {"type": "position", "joint": "right_wrist", "time": 3.2, "value": [2.1, null, 0.4], "tolerance": 0.02, "weight": 4},
     {"type": "orientation", "joint": "head", "keyframe": 3, "value": [0.5, 0.5, -0.5, 0.5], "tolerance": 12},
     {"type": "trajectory", "joint": "left_wrist", "points": [[1, 0, 1, 0], [1.5, 0, 1.2, 0.1]], "tolerance": 0.1},
     {"type": "heading", "time": 5.0, "value": 180, "tolerance": 4},
     {"type": "footstep", "foot": "right", "index": 4, "value": [1.9, 0.0], "tolerance": 0.02},
-    {"type": "keep_out", "circle": {"center": [2, 2], "radius": 0.5}},
+    {"type": "keep_out", "circle": {"center": [2, 2], "radius": 0.5}, "weight": 10},
     {"type": "keep_out", "polygon": [[5, 5], [6, 5], [6, 6], [5, 5]]},
     {"type": "look_at", "from": 1.0, "to": 3.0, "value": [3, 1.6, 3], "tolerance": 15},
     {"type": "pose", "keyframe": 2, "joints": {"right_wrist": [-0.3, 1, 0.2], "left_wrist": [0.3, 1, 0.2]}, "tolerance": 0.1}
@@ -40,7 +40,7 @@ constexpr const char* kEverything = R"({
 // Readings stand in a request's name and come back as they were, what was lost included.
 TEST(ControlRequest, ReadsReadings) {
   const std::string text = R"({"model":"walk","seed":1,"sensors":{"rate":50,"placements":[{"joint":"left_wrist","offset":[0,0.02,0]},{"joint":"hips","name":"belt"}],
-      "readings":[[0.1,9.8,0.2,0,9.7,1],[0.1,null,0.2,0,9.7,1],[0.1,9.9,0.2,0,9.7,1]],"tolerance":2.5}})";
+      "readings":[[0.1,9.8,0.2,0,9.7,1],[0.1,null,0.2,0,9.7,1],[0.1,9.9,0.2,0,9.7,1]],"tolerance":2.5,"weight":0.25}})";
   const ClipRequest request = ParseClipRequest(text);
   ASSERT_TRUE(request.control.sensors);
   const SensorTerm& term = *request.control.sensors;
@@ -49,6 +49,7 @@ TEST(ControlRequest, ReadsReadings) {
   EXPECT_EQ(term.readings.values.cols(), 3);
   EXPECT_TRUE(std::isnan(term.readings.values(1, 1)));
   EXPECT_EQ(term.tolerance_m_s2, 2.5);
+  EXPECT_EQ(term.weight, 0.25);
   const std::string canonical = CanonicalJson(request);
   EXPECT_EQ(CanonicalJson(ParseClipRequest(canonical)), canonical);
   ClipRequest other = request;
@@ -97,6 +98,10 @@ TEST(ControlRequest, ReadsEveryKindOfTerm) {
   ASSERT_EQ(terms.constraints.size(), 9u);
   const auto& position = std::get<PositionTerm>(terms.constraints[0]);
   EXPECT_EQ(position.joint, "right_wrist");
+  EXPECT_EQ(position.weight, 4);
+  EXPECT_EQ(terms.path->weight, 0.5);
+  EXPECT_EQ(terms.goal->weight, 3);
+  EXPECT_EQ(terms.speed->weight, 2);
   EXPECT_EQ(position.at.time_s, 3.2);
   EXPECT_FALSE(position.at.keyframe);
   EXPECT_EQ(position.value_m, Eigen::Vector3d(2.1, 0, 0.4));
@@ -230,7 +235,7 @@ TEST(ControlRequest, PointsAtWhatIsMalformed) {
            {wrist + R"("time":1})", "400 /constraints/0/value"},
            {wrist + R"("time":1,"value":[null,null,null]})", "400 /constraints/0/value"},
            {wrist + R"("time":1,"value":[0,1]})", "400 /constraints/0/value"},
-           {wrist + R"("time":1,"value":[0,1,0],"weight":2})", "400 /constraints/0/weight"},
+           {wrist + R"("time":1,"value":[0,1,0],"mass":2})", "400 /constraints/0/mass"},
            {R"({"type":"orientation","joint":"head","time":1,"value":[1,1,0,0]})", "400 /constraints/0/value"},
            {R"({"type":"orientation","joint":"head","time":1,"value":[0,0,0,0]})", "400 /constraints/0/value"},
            {R"({"type":"trajectory","joint":"head","points":[[0,0,1]]})", "400 /constraints/0/points/0"},

@@ -179,6 +179,16 @@ TEST_F(SteeredByReadings, RefusesWhatCannotBe) {
   request = Request();
   request.control.sensors->readings.values.setZero();
   EXPECT_EQ(RefusedAt(request), "/sensors/readings");
+  // The key frame that the clip's first step begins with lies before it.
+  request = Request();
+  request.control.constraints.push_back(HeadingTerm{.at = {.keyframe = 0}, .value_rad = 0});
+  EXPECT_EQ(RefusedAt(request), "/constraints/0/keyframe");
+  // Readings over a day are refused before anything is made of them.
+  request = Request();
+  Readings& readings = request.control.sensors->readings;
+  for (std::size_t i = 0; i < readings.times_s.size(); ++i) readings.times_s[i] = 300.0 * static_cast<double>(i);
+  request.duration_s = 2;
+  EXPECT_EQ(RefusedAt(request), "/sensors/readings");
   request = Request();
   request.control.sensors->placements.pop_back();
   EXPECT_THROW(Make(request), std::invalid_argument);

@@ -316,6 +316,31 @@ TEST(SteeredSynthesis, StandsOnTheWayItIsToGo) {
   EXPECT_NEAR(HeadingRad(result.clip, 0), M_PI / 2, 1e-6);
 }
 
+// Two headings at one moment, both within their tolerance: what lies between them is the weights'.
+TEST(SteeredSynthesis, TooMuchAtATimeIsRefusedSoon) {
+  // A long way between walls of many corners, all within reach of every step.
+  SynthesisRequest request = Request(1);
+  request.control.path = PathTerm{.points_m = {{0, 0}, {0, 90}}};
+  for (int i = 0; i < 60; ++i) {
+    const double x = 1 + 0.002 * i;
+    request.control.constraints.push_back(KeepOutTerm{.polygon_m = {{x, -1}, {x + 0.001, -1}, {x + 0.001, 91}, {x, 91}}});
+  }
+  EXPECT_EQ(Refused(request), std::vector<std::string>{"/constraints"});
+}
+
+TEST(SteeredSynthesis, TermsCountByTheirWeights) {
+  const auto heading = [](double left, double right) {
+    SynthesisRequest request = Request(4);
+    request.duration_s = 5;
+    request.control.constraints.push_back(HeadingTerm{.at = {.time_s = 3}, .value_rad = -0.25, .tolerance_rad = 0.6, .weight = left});
+    request.control.constraints.push_back(HeadingTerm{.at = {.time_s = 3}, .value_rad = 0.25, .tolerance_rad = 0.6, .weight = right});
+    return Synthesize(Model(), request).report.constraints.at(0).reached.at(0);
+  };
+  EXPECT_LT(heading(50, 0.02), -0.15);
+  EXPECT_GT(heading(0.02, 50), 0.15);
+  EXPECT_NEAR(heading(1, 1), 0, 0.12);
+}
+
 TEST(SteeredSynthesis, StopsWhenAsked) {
   for (const double duration : {5.0, 6.0}) {
     SynthesisRequest request = Request(1);
