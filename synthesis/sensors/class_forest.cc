@@ -2,6 +2,7 @@
 
 #include <xgboost/c_api.h>
 
+#include <algorithm>
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
 #include <limits>
@@ -10,7 +11,7 @@
 #include <random>
 #include <stdexcept>
 #include <string>
-#include <type_traits>
+#include <utility>
 
 namespace morphograph {
 namespace {
@@ -83,8 +84,9 @@ ClassForest::ClassForest(const Eigen::MatrixXf& samples, const std::vector<int>&
                                       std::numeric_limits<float>::quiet_NaN(), &handle));
   const Matrix matrix(handle);
   std::mt19937_64 rng(options.seed);
-  std::vector<int> leaf_numbers;
-  int leaves = 0;
+  classes_ = classes;
+  trees_ = options.trees;
+  nodes_.resize(static_cast<std::size_t>(trees_));
   for (int t = 0; t < options.trees; ++t) {
     // Half of the classes, another half every time.
     std::vector<float> code(static_cast<std::size_t>(classes), 0);
@@ -99,41 +101,87 @@ ClassForest::ClassForest(const Eigen::MatrixXf& samples, const std::vector<int>&
     const auto left = tree.at("left_children").get<std::vector<int>>(), right = tree.at("right_children").get<std::vector<int>>();
     const auto feature = tree.at("split_indices").get<std::vector<int>>();
     const auto threshold = tree.at("split_conditions").get<std::vector<float>>();
-    const auto first = static_cast<int>(nodes_.size());
-    roots_.push_back(first);
-    for (std::size_t n = 0; n < left.size(); ++n) {
-      Node node;
-      if (left[n] < 0) {
-        node.left = leaves++;
-      } else {
-        node = {feature[n], threshold[n], first + left[n], first + right[n]};
+    // Level by level, the two below a node beside each other.
+    std::vector<std::pair<std::size_t, std::size_t>> level = {{0, static_cast<std::size_t>(t)}};  // XGBoost's number, and ours
+    for (int depth = 0; !level.empty(); ++depth) {
+      levels_ = std::max(levels_, depth);
+      std::vector<std::pair<std::size_t, std::size_t>> next;
+      for (const auto& [theirs, ours] : level) {
+        Node& node = nodes_[ours];
+        if (left[theirs] < 0) {
+          node = {std::numeric_limits<float>::infinity(), 0, static_cast<int>(ours)};
+          continue;
+        }
+        const std::size_t below = nodes_.size();
+        node = {threshold[theirs], feature[theirs], static_cast<int>(below)};
+        next.emplace_back(static_cast<std::size_t>(left[theirs]), below);
+        next.emplace_back(static_cast<std::size_t>(right[theirs]), below + 1);
+        nodes_.resize(below + 2);
       }
-      nodes_.push_back(node);
+      level = std::move(next);
     }
   }
-  shares_.setZero(classes, leaves);
-  for (Eigen::Index i = 0; i < count; ++i)
-    for (const int root : roots_) shares_(labels[static_cast<std::size_t>(i)], LeafOf(root, samples.col(i))) += 1;
-  for (int leaf = 0; leaf < leaves; ++leaf) {
-    const float sum = shares_.col(leaf).sum();
-    if (sum > 0) shares_.col(leaf) /= sum;
-    else shares_.col(leaf).setConstant(1.f / static_cast<float>(classes));
+
+  std::vector<std::vector<float>> counts(nodes_.size());
+  std::vector<int> leaves(static_cast<std::size_t>(trees_));
+  for (Eigen::Index i = 0; i < count; ++i) {
+    FindLeaves(samples.col(i).data(), 0, trees_, leaves.data());
+    for (const int leaf : leaves) {
+      std::vector<float>& of_leaf = counts[static_cast<std::size_t>(leaf)];
+      if (of_leaf.empty()) of_leaf.resize(static_cast<std::size_t>(classes), 0);
+      of_leaf[static_cast<std::size_t>(labels[static_cast<std::size_t>(i)])] += 1;
+    }
+  }
+  for (std::size_t n = 0; n < nodes_.size(); ++n) {
+    first_share_.push_back(static_cast<int>(shares_.size()));
+    if (nodes_[n].left != static_cast<int>(n)) continue;
+    std::vector<float>& of_leaf = counts[n];
+    if (of_leaf.empty()) of_leaf.assign(static_cast<std::size_t>(classes), 1);  // nothing fell there
+    float sum = 0;
+    for (const float samples_of : of_leaf) sum += samples_of;
+    for (std::size_t k = 0; k < of_leaf.size(); ++k) {
+      if (of_leaf[k] > 0) shares_.push_back({static_cast<int>(k), of_leaf[k] / sum / static_cast<float>(trees_)});
+    }
+  }
+  first_share_.push_back(static_cast<int>(shares_.size()));
+}
+
+void ClassForest::FindLeaves(const float* sample, int first_tree, int trees, int* leaves) const {
+  for (int t = 0; t < trees; ++t) leaves[t] = first_tree + t;
+  for (int level = 0; level < levels_; ++level) {
+    for (int t = 0; t < trees; ++t) {
+      const Node& node = nodes_[static_cast<std::size_t>(leaves[t])];
+      leaves[t] = node.left + (sample[node.feature] >= node.threshold ? 1 : 0);
+    }
   }
 }
 
-int ClassForest::LeafOf(int root, const Eigen::VectorXf& sample) const {
-  int at = root;
-  while (nodes_[static_cast<std::size_t>(at)].feature >= 0) {
-    const Node& node = nodes_[static_cast<std::size_t>(at)];
-    at = sample[node.feature] < node.threshold ? node.left : node.right;
+void ClassForest::Probabilities(const Eigen::VectorXf& sample, Eigen::Ref<Eigen::VectorXf> probabilities) const {
+  probabilities.setZero();
+  // As many at a time as fit on the stack.
+  constexpr int kAtOnce = 64;
+  int leaves[kAtOnce];
+  struct Range {
+    const Share *from, *to;
+  } ranges[kAtOnce];
+  for (int first = 0; first < trees_; first += kAtOnce) {
+    const int trees = std::min(kAtOnce, trees_ - first);
+    FindLeaves(sample.data(), first, trees, leaves);
+    for (int t = 0; t < trees; ++t) {
+      const int* place = &first_share_[static_cast<std::size_t>(leaves[t])];
+      ranges[t] = {shares_.data() + place[0], shares_.data() + place[1]};
+      __builtin_prefetch(ranges[t].from);
+    }
+    for (int t = 0; t < trees; ++t) {
+      for (const Share* share = ranges[t].from; share != ranges[t].to; ++share) probabilities[share->of_class] += share->share;
+    }
   }
-  return nodes_[static_cast<std::size_t>(at)].left;
 }
 
 Eigen::VectorXf ClassForest::Probabilities(const Eigen::VectorXf& sample) const {
-  Eigen::VectorXf sum = Eigen::VectorXf::Zero(classes());
-  for (const int root : roots_) sum += shares_.col(LeafOf(root, sample));
-  return sum / static_cast<float>(roots_.size());
+  Eigen::VectorXf probabilities(classes_);
+  Probabilities(sample, probabilities);
+  return probabilities;
 }
 
 }  // namespace morphograph

@@ -75,19 +75,20 @@ Eigen::MatrixXf LinearMap(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf& 
   return map;
 }
 
-Eigen::VectorXd InFrame(const MarkerFrame::Place& place, const Eigen::VectorXd& points) {
+Eigen::VectorXd InFrame(const MarkerFrame::Place& place, const Eigen::Ref<const Eigen::VectorXd>& points) {
   Eigen::VectorXd inside(points.size());
   for (Eigen::Index m = 0; m < points.size(); m += 3) inside.segment<3>(m) = place.Into(points.segment<3>(m));
   return inside;
 }
 
 // What maps and forest see: the markers in the frame and, unless `before` is empty, their way since then.
-Eigen::VectorXf InputOf(const MarkerFrame::Place& place, const Eigen::VectorXd& now, const Eigen::VectorXd& before) {
-  const Eigen::VectorXd inside = InFrame(place, now);
-  Eigen::VectorXf input(now.size() + before.size());
-  input.head(now.size()) = inside.cast<float>();
-  if (before.size() > 0) input.tail(now.size()) = (inside - InFrame(place, before)).cast<float>();
-  return input;
+void FillInput(const MarkerFrame::Place& place, const Eigen::Ref<const Eigen::VectorXd>& now, const Eigen::Ref<const Eigen::VectorXd>& before, Eigen::VectorXf* input) {
+  input->resize(now.size() + before.size());
+  for (Eigen::Index m = 0; m < now.size(); m += 3) {
+    const Eigen::Vector3d inside = place.Into(now.segment<3>(m));
+    input->segment<3>(m) = inside.cast<float>();
+    if (before.size() > 0) input->segment<3>(now.size() + m) = (inside - place.Into(before.segment<3>(m))).cast<float>();
+  }
 }
 
 // Points of a body whose moving root is above the origin with heading 0, as seen when it was `frames` earlier so: moved and turned back by its steps.
@@ -117,6 +118,8 @@ MarkerModel::MarkerModel(const MotionBase& base, const std::vector<Placement>& f
   const Eigen::MatrixXf tracks = MarkerTracks(base, markers);
   given = options.given.empty() ? PrincipalMarkers(tracks, options.selection) : IndicesOf(options.given, markers);
   frame_markers = IndicesOf(options.frame, markers);
+  for (int m = 0; m < static_cast<int>(markers.size()); ++m)
+    if (std::find(given.begin(), given.end(), m) == given.end()) others.push_back(m);
   const std::vector<Eigen::Index> frame_rows = RowsOf(frame_markers.empty() ? given : frame_markers), given_rows = RowsOf(given);
   const Eigen::Index frames = base.frame_count();
 
@@ -142,12 +145,13 @@ MarkerModel::MarkerModel(const MotionBase& base, const std::vector<Placement>& f
   Eigen::MatrixXf inputs(static_cast<Eigen::Index>(given_rows.size()) * (history > 0 ? 2 : 1), frames);
   Eigen::MatrixXf inside(tracks.rows(), frames), poses(base.rotations().rows() + 4, frames);
   Eigen::VectorXd now, before;
+  Eigen::VectorXf input;
   for (const bool refined : {false, true}) {
     if (refined && !frame_markers.empty()) break;
     for (Eigen::Index f = 0; f < frames; ++f) {
       points_of(f, &now, &before);
-      const MarkerFrame::Place place = FrameOf(own.col(f), now, before);
-      inputs.col(f) = InputOf(place, now, before);
+      const MarkerFrame::Place place = FrameOf(own.col(f), now, before, &input);
+      inputs.col(f) = input;
       inside.col(f) = InFrame(place, tracks.col(f).cast<double>()).cast<float>();
       const Eigen::Vector3d root = place.Into(Eigen::Vector3d::Zero());
       poses.col(f) << base.rotations().col(f), static_cast<float>(root.x()), static_cast<float>(root.z()), static_cast<float>(-place.heading_rad()), base.travel()(3, f);
@@ -157,25 +161,30 @@ MarkerModel::MarkerModel(const MotionBase& base, const std::vector<Placement>& f
   const std::vector<int> cluster_of = ClustersOfFrames(base, inside, options, &segment_count);
   cluster_count = *std::max_element(cluster_of.begin(), cluster_of.end()) + 1;
   if (cluster_count > 1) forest = std::make_unique<ClassForest>(inputs, cluster_of, cluster_count, options.forest);
+  const Eigen::MatrixXf wanted = inside(RowsOf(others), Eigen::all);
   for (int k = 0; k < cluster_count; ++k) {
     std::vector<Eigen::Index> members;
     for (Eigen::Index f = 0; f < frames; ++f)
       if (cluster_of[static_cast<std::size_t>(f)] == k && whole[static_cast<std::size_t>(f)]) members.push_back(f);
     if (members.empty()) members.push_back(0);  // clips shorter than the history
     const Eigen::MatrixXf in = inputs(Eigen::all, members);
-    marker_maps.push_back(LinearMap(in, inside(Eigen::all, members), options.ridge));
+    marker_maps.push_back(LinearMap(in, wanted(Eigen::all, members), options.ridge));
     pose_maps.push_back(LinearMap(in, poses(Eigen::all, members), options.ridge));
   }
 }
 
-MarkerFrame::Place MarkerModel::FrameOf(const Eigen::VectorXd& frame_points, const Eigen::VectorXd& now, const Eigen::VectorXd& before) const {
+MarkerFrame::Place MarkerModel::FrameOf(const Eigen::Ref<const Eigen::VectorXd>& frame_points, const Eigen::Ref<const Eigen::VectorXd>& now,
+                                        const Eigen::Ref<const Eigen::VectorXd>& before, Eigen::VectorXf* input) const {
   MarkerFrame::Place place = frame.Fit(frame_points);
+  FillInput(place, now, before, input);
   if (frame_map.size() == 0) return place;
-  const Eigen::VectorXf input = InputOf(place, now, before);
-  const Eigen::Vector3d body = (frame_map.col(0) + frame_map.rightCols(input.size()) * input).cast<double>();
-  const Eigen::Vector3d origin = place.OutOf({body[0], 0, body[1]});
-  const double heading = place.heading_rad() + body[2];
-  return {origin.x(), origin.z(), std::cos(heading), std::sin(heading)};
+  Eigen::Vector3f body = frame_map.col(0);
+  body.noalias() += frame_map.rightCols(input->size()) * *input;
+  const Eigen::Vector3d origin = place.OutOf({static_cast<double>(body[0]), 0, static_cast<double>(body[1])});
+  const double heading = place.heading_rad() + static_cast<double>(body[2]);
+  place = {origin.x(), origin.z(), std::cos(heading), std::sin(heading)};
+  FillInput(place, now, before, input);
+  return place;
 }
 
 std::vector<Placement> MarkerModel::ReadingMarkers() const {
@@ -198,37 +207,38 @@ MarkerFrame::Place MarkerEstimator::Weigh(const Eigen::VectorXd& reading) {
   const Eigen::Index own = 3 * static_cast<Eigen::Index>(model_->given.size());
   if (count_ == 0) past_.colwise() = reading.head(own).eval();  // as if it had stood
   past_.col(count_ % past_.cols()) = reading.head(own);
-  const Eigen::VectorXd now = reading.head(own), before = model_->history > 0 ? past_.col((count_ + 1) % past_.cols()) : Eigen::VectorXd();
-  const MarkerFrame::Place place = model_->FrameOf(model_->frame_markers.empty() ? now : reading.tail(reading.size() - own), now, before);
-  input_ = InputOf(place, now, before);
+  const auto before = past_.col((count_ + 1) % past_.cols());
+  const MarkerFrame::Place place = model_->FrameOf(model_->frame_markers.empty() ? reading.head(own) : reading.tail(reading.size() - own), reading.head(own),
+                                                   before.head(model_->history > 0 ? own : 0), &input_);
   const Eigen::Index at = count_++;
   if (!model_->forest) {
     weights_ = Eigen::VectorXf::Ones(1);
     return place;
   }
-  recent_.col(at % recent_.cols()) = model_->forest->Probabilities(input_);
-  weights_ = recent_.rowwise().sum() / static_cast<float>(std::min(count_, recent_.cols()));
+  model_->forest->Probabilities(input_, recent_.col(at % recent_.cols()));
+  weights_.noalias() = recent_.rowwise().sum() / static_cast<float>(std::min(count_, recent_.cols()));
   weights_ = (weights_.array() - std::min(kLeastWeight, 0.5f * weights_.maxCoeff())).max(0);
   weights_ /= weights_.sum();
   return place;
 }
 
-Eigen::VectorXf MarkerEstimator::Mixed(const std::vector<Eigen::MatrixXf>& maps) const {
-  Eigen::VectorXf mixed = Eigen::VectorXf::Zero(maps[0].rows());
+const Eigen::VectorXf& MarkerEstimator::Mixed(const std::vector<Eigen::MatrixXf>& maps) {
+  mixed_.setZero(maps[0].rows());
   for (Eigen::Index k = 0; k < weights_.size(); ++k) {
     if (weights_[k] == 0) continue;
     const Eigen::MatrixXf& map = maps[static_cast<std::size_t>(k)];
-    mixed.noalias() += map.rightCols(input_.size()) * (weights_[k] * input_);
-    mixed += weights_[k] * map.col(0);
+    mixed_.noalias() += weights_[k] * (map.rightCols(input_.size()) * input_);
+    mixed_ += weights_[k] * map.col(0);
   }
-  return mixed;
+  return mixed_;
 }
 
 Eigen::Matrix3Xd MarkerEstimator::NextMarkers(const Eigen::VectorXd& reading) {
   const MarkerFrame::Place place = Weigh(reading);
-  const Eigen::VectorXd inside = Mixed(model_->marker_maps).cast<double>();
-  Eigen::Matrix3Xd markers(3, inside.size() / 3);
-  for (Eigen::Index m = 0; m < markers.cols(); ++m) markers.col(m) = place.OutOf(inside.segment<3>(3 * m));
+  const Eigen::VectorXf& inside = Mixed(model_->marker_maps);
+  Eigen::Matrix3Xd markers(3, model_->markers.size());
+  for (std::size_t n = 0; n < model_->others.size(); ++n)
+    markers.col(model_->others[n]) = place.OutOf(inside.segment<3>(3 * static_cast<Eigen::Index>(n)).cast<double>());
   for (std::size_t n = 0; n < model_->given.size(); ++n) markers.col(model_->given[n]) = reading.segment<3>(3 * static_cast<Eigen::Index>(n));
   return markers;
 }

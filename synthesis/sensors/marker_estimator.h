@@ -39,6 +39,7 @@ struct MarkerModel {
   std::vector<Placement> markers;   // the full set
   std::vector<int> given;           // of it
   std::vector<int> frame_markers;   // of it; empty: `given` define the frame
+  std::vector<int> others;          // of it: those that are not given
   MarkerFrame frame;
   /// What brings the frame nearer to the body's own: from the input seen in `frame` to the moving root's floor position and heading, (3 x (1 + inputs)); empty
   /// with frame markers. Six markers on limbs that swing define a frame that swings.
@@ -47,7 +48,8 @@ struct MarkerModel {
   std::unique_ptr<ClassForest> forest;   // null with one cluster
   /// Frames back to the past places in the input; 0: the input has none.
   int history = 0;
-  /// Of each cluster, (outputs x (1 + inputs)): intercept and slope, from the given markers now (and how they came there) to all markers in the frame (3 * markers) …
+  /// Of each cluster, (outputs x (1 + inputs)): intercept and slope, from the given markers now (and how they came there) to those of all markers that are not given, in the frame
+  /// (3 * others) …
   std::vector<Eigen::MatrixXf> marker_maps;
   /// … and to rotations, the moving root's floor position (x, z) and heading in the frame, and its height.
   std::vector<Eigen::MatrixXf> pose_maps;
@@ -55,7 +57,9 @@ struct MarkerModel {
   /// Number of values of a reading: the given markers, then those of the frame.
   Eigen::Index reading_size() const { return 3 * static_cast<Eigen::Index>(given.size() + frame_markers.size()); }
   /// The frame in which maps and forest see things. @param before  where the given markers were `history` frames ago, empty without history.
-  MarkerFrame::Place FrameOf(const Eigen::VectorXd& frame_points, const Eigen::VectorXd& now, const Eigen::VectorXd& before) const;
+  /// @param input  what they see there is left in it.
+  MarkerFrame::Place FrameOf(const Eigen::Ref<const Eigen::VectorXd>& frame_points, const Eigen::Ref<const Eigen::VectorXd>& now,
+                             const Eigen::Ref<const Eigen::VectorXd>& before, Eigen::VectorXf* input) const;
   /// The markers of a reading, in order.
   std::vector<Placement> ReadingMarkers() const;
 };
@@ -76,13 +80,14 @@ class MarkerEstimator : public PoseEstimator {
  private:
   // Weighs clusters by the reading; leaves the input of the maps in input_.
   MarkerFrame::Place Weigh(const Eigen::VectorXd& reading);
-  Eigen::VectorXf Mixed(const std::vector<Eigen::MatrixXf>& maps) const;
+  // The maps of the clusters mixed by their weights, applied to input_; left in mixed_.
+  const Eigen::VectorXf& Mixed(const std::vector<Eigen::MatrixXf>& maps);
 
   std::shared_ptr<const MarkerModel> model_;
   Eigen::MatrixXd past_;    // (3 * given x history + 1): readings, cyclic
   Eigen::MatrixXf recent_;  // (clusters x frames of the mixture), cyclic
   Eigen::Index count_ = 0;
-  Eigen::VectorXf weights_, input_;
+  Eigen::VectorXf weights_, input_, mixed_;
   // Where the moving root was: floor position and heading, in the reading's space.
   bool moved_ = false;
   Eigen::Vector2d place_ = Eigen::Vector2d::Zero();

@@ -171,5 +171,6 @@ int main(int argc, char** argv) {
   base.frame_rate_hz = cmu_rate_hz;
   const auto cmu = LoadRecordings(data / "cmu", {"07", "08"}, base.frame_rate_hz, true);
   Run("cmu, clip out", {ClipOut(cmu, 4, purpose)}, options, base);
+  Run("cmu, each clip out of all", EachClipOut(cmu, 4, purpose), options, base);
   if (!known_only) Run("cmu, unseen subject", UnseenGroups(cmu, 2, purpose), options, base);
 }

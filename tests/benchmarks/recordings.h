@@ -58,6 +58,20 @@ inline Split ClipOut(const std::vector<Recording>& all, std::size_t step, Purpos
   return split;
 }
 
+/// The same clips to test or tune on, each with a base of all others: small sets lose too much otherwise.
+inline std::vector<Split> EachClipOut(const std::vector<Recording>& all, std::size_t step, Purpose purpose) {
+  std::vector<Split> splits;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    if (i % step != (purpose == Purpose::kTest ? step / 2 : 0)) continue;
+    Split split{"clip " + std::to_string(i) + " out", {}, {all[i]}};
+    for (std::size_t j = 0; j < all.size(); ++j) {
+      if (j != i) split.base.push_back(all[j].common);
+    }
+    splits.push_back(std::move(split));
+  }
+  return splits;
+}
+
 /// The clips of known styles: every 30th.
 inline Split KnownStyle(const std::vector<Recording>& all, Purpose purpose) { return ClipOut(all, 30, purpose); }
 
