@@ -7,6 +7,24 @@
 
 namespace morphograph {
 
+namespace {
+
+AlignmentRequest ReadAlignment(const nlohmann::json& object, Findings* findings) {
+  constexpr double kFarthest_s = 1e9;
+  AlignmentRequest alignment;
+  ObjectReader reader(object, "/alignment", findings);
+  if (const nlohmann::json* standing = reader.List("standing", 2, 2, "times in seconds, [from, to]")) {
+    const auto time = [&](std::size_t i) { return ReadBounded((*standing)[i], reader.At("standing") + "/" + std::to_string(i), {-kFarthest_s, kFarthest_s, "s"}, findings); };
+    const std::optional<double> from_s = time(0), to_s = time(1);
+    if (from_s && to_s && !(*from_s < *to_s)) findings->Malformed(reader.At("standing"), "must end after it begins");
+    if (from_s && to_s) alignment.standing = StandingPhase{*from_s, *to_s};
+  }
+  reader.RefuseOthers();
+  return alignment;
+}
+
+}  // namespace
+
 ReconstructionBody ParseReconstructionBody(std::string_view text) {
   const nlohmann::json document = ParseUntrustedJson(text);
   Findings findings("the reconstruction request");
@@ -27,6 +45,7 @@ ReconstructionBody ParseReconstructionBody(std::string_view text) {
   } else if (!reader.Has("sensors")) {
     findings.Malformed("/sensors", "required: rate, placements and readings");
   }
+  if (const nlohmann::json* alignment = reader.Object("alignment")) body.request.alignment = ReadAlignment(*alignment, &findings);
   body.request.source = "/sensors/readings";
   if (const nlohmann::json* output = reader.Object("output")) {
     body.output = ReadOutputFormat(*output, &findings);

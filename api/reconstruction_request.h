@@ -15,7 +15,7 @@ struct ReconstructionBody {
   OutputFormat output;
 };
 
-/// Parses and checks `{"model", "method", "sensors": {"rate", "placements", "readings"}, "output"}`.
+/// Parses and checks `{"model", "method", "sensors": {"rate", "placements", "readings"}, "alignment": {"standing": [from, to]}, "output"}`.
 /// @throws ProblemError, as ParseClipRequest().
 ReconstructionBody ParseReconstructionBody(std::string_view json);
 

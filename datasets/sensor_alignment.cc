@@ -25,13 +25,6 @@ constexpr int kLeastAlignedSamples = 50;
 constexpr double kLeastWidth_m = 0.002;  // of the markers across their line
 constexpr int kShapeRounds = 3;
 
-// The rotation that takes `from` nearest to `to`, both (3 x n), about the origin: Wahba's problem by singular values (Markley 1988).
-Matrix3d BestRotation(const Matrix3Xd& from, const Matrix3Xd& to) {
-  const Eigen::JacobiSVD<Matrix3d> svd(Matrix3d(to * from.transpose()), Eigen::ComputeFullU | Eigen::ComputeFullV);
-  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-  return svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
-}
-
 Eigen::MatrixXd SecondDifference(const Eigen::MatrixXd& values, double rate_hz) {
   Eigen::MatrixXd second(values.rows(), values.cols());
   for (Index i = 0; i < values.cols(); ++i) {
@@ -149,6 +142,12 @@ Eigen::MatrixXd Moments(const Matrix3Xd& centred) {
 }
 
 }  // namespace
+
+Matrix3d BestRotation(const Matrix3Xd& from, const Matrix3Xd& to) {
+  const Eigen::JacobiSVD<Matrix3d> svd(Matrix3d(to * from.transpose()), Eigen::ComputeFullU | Eigen::ComputeFullV);
+  const double sign = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+  return svd.matrixU() * Vector3d(1, 1, sign).asDiagonal() * svd.matrixV().transpose();
+}
 
 SegmentMotion SegmentFromMarkers(const Readings& markers, const std::vector<std::string>& names) {
   if (names.size() < 3) throw std::invalid_argument("SegmentFromMarkers: 3 or more markers are needed");

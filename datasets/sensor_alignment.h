@@ -62,6 +62,9 @@ struct AlignmentQuality {
 /// Compares over samples [first, last] of the segment. @throws std::invalid_argument for a range outside of the samples.
 AlignmentQuality MeasureAlignment(const SegmentMotion& segment, const Eigen::Matrix3Xd& accelerations, const SensorAlignment& alignment, int first, int last, double cutoff_hz = 10);
 
+/// The rotation that takes `from` nearest to `to`, both (3 x n), about the origin: Wahba's problem by singular values (Markley 1988).
+Eigen::Matrix3d BestRotation(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to);
+
 /// By how many samples `later` lags behind `reference`: the shift within +-`most` at which they correlate best (means taken out). Rows are channels.
 int DelayByCorrelation(const Eigen::MatrixXd& reference, const Eigen::MatrixXd& later, int most);
 

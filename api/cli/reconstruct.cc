@@ -1,5 +1,6 @@
 #include <iostream>
 #include <memory>
+#include <numbers>
 #include <thread>
 
 #include "api/cli/command.h"
@@ -25,7 +26,8 @@ struct ReconstructFlags {
   std::string model, method, input, placements, out, report, truth, channels = "portable", unit = "source";
   double frame_rate_hz = 0;
   int jobs = 0;
-  bool stream = false;
+  bool stream = false, align = false;
+  std::vector<double> standing_s;  // from, to
 };
 
 OutputFormat FormatOf(const ReconstructFlags& flags) {
@@ -64,6 +66,8 @@ void ReconstructLive(const ReconstructFlags& flags, const std::shared_ptr<const 
 void Reconstruct(const ReconstructFlags& flags) {
   if (flags.stream ? flags.placements.empty() || !flags.input.empty() || !flags.out.empty() : flags.input.empty() || flags.out.empty())
     throw UsageError(flags.stream ? "reconstruct: --stream takes --placements, and neither --input nor --out" : "reconstruct: give --input and --out, or --stream");
+  if (flags.stream && flags.align) throw UsageError("reconstruct: --align needs all readings at once; it does not go with --stream");
+  if (!flags.standing_s.empty() && !(flags.standing_s[0] < flags.standing_s[1])) throw UsageError("reconstruct: --standing must end after it begins");
   if (!flags.report.empty() && IsSameFile(flags.out, flags.report)) throw UsageError("reconstruct: --out and --report name the same file");
   const std::shared_ptr<const MotionGraph> graph = flags.model.empty() ? LoadDefaultModel() : LoadModel(flags.model);
   if (!graph) throw UsageError("reconstruct: this program was built without a default model; give --model");
@@ -78,6 +82,8 @@ void Reconstruct(const ReconstructFlags& flags) {
                                             : "holds positions of markers; --method " + flags.method + " takes accelerations");
   }
   request.readings = std::move(recorded.readings);
+  if (flags.align) request.alignment.emplace();
+  if (!flags.standing_s.empty()) request.alignment->standing = StandingPhase{flags.standing_s[0], flags.standing_s[1]};
   if (!flags.placements.empty()) request.placements = ReadPlacements(flags.placements);
   const int jobs = flags.jobs > 0 ? flags.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ReconstructedReadings made = ReconstructReadings(
@@ -93,6 +99,11 @@ void Reconstruct(const ReconstructFlags& flags) {
   files.Commit();
   std::cout << "wrote " << flags.out << ", " << clip.frame_count() << " frames\n";
   for (const std::string& note : made.repaired.notes) std::cout << "- " << note << '\n';
+  if (made.alignment) {
+    std::printf("aligned by standing from %.2f to %.2f s:", made.alignment->standing.from_s, made.alignment->standing.to_s);
+    for (std::size_t s = 0; s < made.sensors.size(); ++s) std::printf("%s %s by %.0f degrees", s == 0 ? "" : ",", made.sensors[s].c_str(), made.alignment->sensors[s].turn_rad() * 180 / std::numbers::pi);
+    std::printf("\n");
+  }
   if (errors) std::printf("joints off by %.2f cm on the average, 95 %% of frames within %.2f cm\n", errors->position_rms_cm, errors->position_rms_p95_cm);
 }
 
@@ -109,6 +120,8 @@ void AddReconstruct(CLI::App* program, Work* work) {
   verb->add_option("--placements", flags->placements, "Where the sensors sit, JSON; absent: at the joints that they are called after");
   verb->add_option("--out", flags->out, "File (.bvh or .glb)");
   verb->add_flag("--stream", flags->stream, "Readings as lines of JSON on standard input, poses as lines of JSON on standard output, frame by frame");
+  CLI::Option* align = verb->add_flag("--align", flags->align, "Find how the sensors sit from a stretch of the readings in which their wearer stands");
+  verb->add_option("--standing", flags->standing_s, "With --align: when that is, FROM,TO in seconds of the readings' time; found when absent")->delimiter(',')->expected(2)->needs(align);
   verb->add_option("--report", flags->report, "Where the report goes");
   verb->add_option("--truth", flags->truth, "BVH of the true motion, to tell errors against");
   verb->add_option("--frame-rate", flags->frame_rate_hz, "Frames per second of the clip; 30 when absent")->check(CLI::Range(1.0, 240.0));

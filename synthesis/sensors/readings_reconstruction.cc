@@ -1,6 +1,7 @@
 #include "synthesis/sensors/readings_reconstruction.h"
 
 #include <algorithm>
+#include <cstdio>
 #include <stdexcept>
 
 #include "datasets/error_reason.h"
@@ -8,6 +9,7 @@
 #include "datasets/marker_units.h"
 #include "datasets/quantile.h"
 #include "datasets/virtual_sensors.h"
+#include "synthesis/unsatisfiable_request.h"
 
 namespace morphograph {
 namespace {
@@ -82,11 +84,51 @@ void CheckKind(const Readings& readings, bool markers, const std::string& source
     throw DatasetError(source, "the values look like positions of markers, not like accelerations, which all hold gravity and are about 9.81 m/s^2 long; the method 'markers' takes positions");
 }
 
+std::string Decimal(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.2f", value);
+  return text;
+}
+
+StandingPhase StandingOf(const AlignmentRequest& request, const Eigen::MatrixXd& readings, const std::vector<std::string>& sensors) {
+  const std::string pointer = "/alignment/standing";
+  if (!request.standing) {
+    const auto found = FindStanding(readings, kReconstructionRate_hz);
+    if (!found) throw UnsatisfiableRequest(pointer, "there is no second in which all sensors lie still: stand for a while before or after the motion, or leave the alignment out");
+    return *found;
+  }
+  Eigen::VectorXd unrest;
+  try {
+    unrest = UnrestOf(readings, kReconstructionRate_hz, *request.standing);
+  } catch (const std::invalid_argument& unfit) {
+    throw UnsatisfiableRequest(pointer, ReasonOf(unfit));
+  }
+  Eigen::Index worst = 0;
+  if (unrest.maxCoeff(&worst) > kMostUnrest_m_s2) {
+    throw UnsatisfiableRequest(pointer, "nobody stands there: sensor '" + sensors[static_cast<std::size_t>(worst)] + "' moves by " + Decimal(unrest[worst]) + " m/s^2, at most " +
+                                            Decimal(kMostUnrest_m_s2) + " is taken for lying still");
+  }
+  return *request.standing;
+}
+
+// Tilt from gravity while standing, then by turns a reconstruction and what it says of the sensors.
+SensorTurns Align(const Reconstructor& reconstructor, const Eigen::MatrixXd& readings, const StandingPhase& standing) {
+  SensorTurns turns = AlignByStanding(reconstructor.worn(), readings, kReconstructionRate_hz, standing);
+  for (int round = 0; round < kAlignmentRounds; ++round) {
+    const Reconstruction made = reconstructor.Run(AlignedReadings(readings, kReconstructionRate_hz, turns));
+    const Readings expected = VirtualAccelerations(made.clip, reconstructor.sensors(), kReconstructionRate_hz);
+    AlignByMotion(reconstructor.worn(), readings, expected.values, kReconstructionRate_hz, &turns);
+  }
+  return turns;
+}
+
 }  // namespace
 
 ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const ReconstructionRequest& request, const ReconstructorSource& make) {
   // What cannot be placed is said before any work is done.
   PlacesOf(request.readings.names, request.placements, graph, request.method);
+  if (request.alignment && request.method == ReconstructionMethod::kMarkers)
+    throw UnsatisfiableRequest("/alignment", "markers have no axes that could be askew; only accelerometers are aligned");
   CheckKind(request.readings, request.method == ReconstructionMethod::kMarkers, request.source);
   StreamRepairOptions options;
   options.kind = request.method == ReconstructionMethod::kMarkers ? ReadingsKind::kMarkers : ReadingsKind::kAccelerations;
@@ -101,9 +143,24 @@ ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const Recons
     result.sensors.push_back(readings.names[static_cast<std::size_t>(s)]);
     for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * static_cast<Eigen::Index>(s) + axis);
   }
+  Eigen::MatrixXd living = readings.values(rows, Eigen::all);
+  const double begin_s = readings.times_s.front();
+  StandingPhase standing;
+  if (request.alignment) {
+    AlignmentRequest asked = *request.alignment;
+    if (asked.standing) asked.standing = StandingPhase{asked.standing->from_s - begin_s, asked.standing->to_s - begin_s};
+    standing = StandingOf(asked, living, result.sensors);
+  }
   const std::shared_ptr<const Reconstructor> reconstructor = make(PlacesOf(result.sensors, request.placements, graph, request.method));
   try {
-    result.reconstruction = reconstructor->Run(readings.values(rows, Eigen::all));
+    if (request.alignment) {
+      result.alignment = Align(*reconstructor, living, standing);
+      result.alignment->told = request.alignment->standing.has_value();
+      living = AlignedReadings(living, kReconstructionRate_hz, *result.alignment);
+      result.alignment->standing.from_s += begin_s;
+      result.alignment->standing.to_s += begin_s;
+    }
+    result.reconstruction = reconstructor->Run(living);
   } catch (const std::invalid_argument& unfit) {
     throw DatasetError(request.source, ReasonOf(unfit));
   }

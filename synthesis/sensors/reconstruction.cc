@@ -27,7 +27,7 @@ double MillisecondsSince(Clock::time_point start) { return std::chrono::duration
 class GraphReconstructor : public Reconstructor {
  public:
   GraphReconstructor(std::shared_ptr<const MotionGraph> graph, const MotionSource& source, std::vector<Placement> sensors, int jobs)
-      : Reconstructor(ReconstructionMethod::kGraph, sensors),
+      : Reconstructor(ReconstructionMethod::kGraph, sensors, WornBy(source.clips, sensors)),
         graph_(std::move(graph)),
         steps_(std::make_shared<const SensorSteps>(source.clips, source.steps, graph_->layout(), std::move(sensors), jobs)) {}
 
@@ -69,9 +69,9 @@ SynthesisReport DescribeClip(const MotionGraph& graph, const MotionClip& clip) {
 template <typename Model, typename Estimator>
 class StreamReconstructor : public Reconstructor {
  public:
-  StreamReconstructor(std::shared_ptr<const MotionGraph> graph, ReconstructionMethod method, std::vector<Placement> sensors, std::shared_ptr<const MotionBase> base,
-                      std::shared_ptr<const Model> model)
-      : Reconstructor(method, std::move(sensors)), graph_(std::move(graph)), base_(std::move(base)), model_(std::move(model)) {}
+  StreamReconstructor(std::shared_ptr<const MotionGraph> graph, ReconstructionMethod method, std::vector<Placement> sensors, WornSensors worn,
+                      std::shared_ptr<const MotionBase> base, std::shared_ptr<const Model> model)
+      : Reconstructor(method, std::move(sensors), std::move(worn)), graph_(std::move(graph)), base_(std::move(base)), model_(std::move(model)) {}
 
   Reconstruction Run(const Eigen::MatrixXd& readings) const override {
     if (readings.cols() == 0) throw std::invalid_argument("Reconstructor: no readings");
@@ -100,9 +100,9 @@ class StreamReconstructor : public Reconstructor {
 };
 
 template <typename Estimator, typename Model>
-std::shared_ptr<const Reconstructor> MakeStreams(const std::shared_ptr<const MotionGraph>& graph, ReconstructionMethod method, std::vector<Placement> sensors,
+std::shared_ptr<const Reconstructor> MakeStreams(const std::shared_ptr<const MotionGraph>& graph, ReconstructionMethod method, std::vector<Placement> sensors, WornSensors worn,
                                                  std::shared_ptr<const MotionBase> base, std::shared_ptr<const Model> model) {
-  return std::make_shared<StreamReconstructor<Model, Estimator>>(graph, method, std::move(sensors), std::move(base), std::move(model));
+  return std::make_shared<StreamReconstructor<Model, Estimator>>(graph, method, std::move(sensors), std::move(worn), std::move(base), std::move(model));
 }
 
 }  // namespace
@@ -141,17 +141,19 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
   options.jobs = jobs;
   if (method == ReconstructionMethod::kOlng) options.tempos.assign(std::begin(kOlngTempos), std::end(kOlngTempos));
   const bool markers = method == ReconstructionMethod::kMarkers;
+  WornSensors worn;
+  if (!markers) worn = WornBy(source.clips, sensors);
   const auto base = std::make_shared<const MotionBase>(source.clips, markers ? std::vector<Placement>() : sensors, options);
   switch (method) {
     case ReconstructionMethod::kRbf: {
       RbfOptions rbf;
       rbf.jobs = jobs;
-      return MakeStreams<RbfEstimator>(graph, method, std::move(sensors), base, std::make_shared<const RbfModel>(*base, rbf));
+      return MakeStreams<RbfEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const RbfModel>(*base, rbf));
     }
     case ReconstructionMethod::kGaussian: {
       GaussianOptions gaussian;
       gaussian.jobs = jobs;
-      return MakeStreams<GaussianEstimator>(graph, method, std::move(sensors), base, std::make_shared<const GaussianModel>(*base, gaussian));
+      return MakeStreams<GaussianEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const GaussianModel>(*base, gaussian));
     }
     case ReconstructionMethod::kMarkers: {
       MarkerOptions given;
@@ -162,9 +164,9 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
         std::erase_if(all, [&](const Placement& marker) { return marker.name == sensor.name; });
         all.push_back(sensor);
       }
-      return MakeStreams<MarkerEstimator>(graph, method, std::move(sensors), base, std::make_shared<const MarkerModel>(*base, all, given));
+      return MakeStreams<MarkerEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const MarkerModel>(*base, all, given));
     }
-    default: return MakeStreams<OlngEstimator>(graph, method, std::move(sensors), base, std::make_shared<const OlngModel>(base, OlngOptions()));
+    default: return MakeStreams<OlngEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const OlngModel>(base, OlngOptions()));
   }
 }
 

@@ -12,6 +12,7 @@
 #include "synthesis/sensors/pose_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "synthesis/sensors/sensor_steps.h"
+#include "synthesis/sensors/worn_sensors.h"
 #include "synthesis/synthesis_types.h"
 
 namespace morphograph {
@@ -47,6 +48,8 @@ class Reconstructor {
   virtual ~Reconstructor() = default;
   ReconstructionMethod method() const { return method_; }
   const std::vector<Placement>& sensors() const { return sensors_; }
+  /// What sensors in these places read on somebody who stands. Empty with kMarkers.
+  const WornSensors& worn() const { return worn_; }
   /// @param readings  (3 * sensors x frames) at kReconstructionRate_hz, finite: accelerations as MotionBase::accelerations(), or positions of markers.
   /// @throws std::invalid_argument for readings that are too short (kGraph: a step; others: one frame) or of other sensors.
   virtual Reconstruction Run(const Eigen::MatrixXd& readings) const = 0;
@@ -58,11 +61,12 @@ class Reconstructor {
   virtual std::shared_ptr<const SensorSteps> steps() const { return nullptr; }
 
  protected:
-  Reconstructor(ReconstructionMethod method, std::vector<Placement> sensors) : method_(method), sensors_(std::move(sensors)) {}
+  Reconstructor(ReconstructionMethod method, std::vector<Placement> sensors, WornSensors worn) : method_(method), sensors_(std::move(sensors)), worn_(std::move(worn)) {}
 
  private:
   ReconstructionMethod method_;
   std::vector<Placement> sensors_;
+  WornSensors worn_;
 };
 
 /// @throws UnsatisfiableRequest ("/sensors/placements/2/joint", …) where a joint does not exist, or a marker's place is not known.

@@ -488,6 +488,15 @@ TEST_F(CliTest, ReconstructsWhatVirtualSensorsRead) {
   // This model keeps no recordings, so that walks of its own have to do.
   EXPECT_LT(about.at("errors").at("position_rms_cm").at("mean").get<double>(), 10);
   EXPECT_GT(ParseBvh(ReadFile(Path("made.bvh")), "made.bvh").frame_count(), 60);
+  // This walk begins with 0.6 s of standing: too short to be found, but it can be told.
+  const std::string again = "reconstruct --model " + Model() + " --method graph --input readings.csv --out aligned.bvh --report aligned.json";
+  const Outcome aligned = Run(again + " --align --standing 0,0.55");
+  ASSERT_EQ(aligned.status, 0) << aligned.err;
+  EXPECT_THAT(aligned.out, HasSubstr("aligned by standing from 0.00 to 0.55 s: left_wrist by "));
+  EXPECT_EQ(json::parse(ReadFile(Path("aligned.json"))).at("reconstruction").at("alignment").at("sensors").size(), 4u);
+  ExpectFailure("reconstruct --model " + Model() + " --method graph --input readings.csv --out b.bvh --align --standing 2,3", 1, "nobody stands there");
+  ExpectFailure("reconstruct --model " + Model() + " --method graph --input readings.csv --out b.bvh --standing 0,0.55", 2, "--align");
+  ExpectFailure("reconstruct --model " + Model() + " --method graph --input readings.csv --out b.bvh --align --standing 0.55,0", 2, "--standing");
 }
 
 TEST_F(CliTest, WritesMarkersAndTheirPlaces) {

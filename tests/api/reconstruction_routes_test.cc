@@ -103,6 +103,38 @@ TEST_F(ReconstructionRoutesTest, NamesWhatWasLost) {
   EXPECT_FALSE(about.at("notes").empty());
 }
 
+// The walk begins out of standing, so that sensors which sit askew can be set right.
+TEST_F(ReconstructionRoutesTest, AlignsSensorsByStanding) {
+  json request = Request("graph");
+  for (json& row : request["sensors"]["readings"]) {  // the right ankle's sensor, by 90 degrees about its x axis
+    const double y = row[10], z = row[11];
+    row[10] = -z;
+    row[11] = y;
+  }
+  request["alignment"] = {{"standing", {0.0, 0.5}}};
+  const RawResponse response = Post(request, "application/json");
+  ASSERT_EQ(response.status, 200) << response.body;
+  const json found = json::parse(response.body).at("report").at("reconstruction").at("alignment");
+  EXPECT_EQ(found.at("standing"), json({0.0, 0.5}));
+  EXPECT_EQ(found.at("standing_found"), false);
+  EXPECT_EQ(found.at("standing_in_recordings"), true);
+  ASSERT_EQ(found.at("sensors").size(), 4u);
+  EXPECT_EQ(found.at("sensors").at(3).at("sensor"), "right_ankle");
+  EXPECT_NEAR(found.at("sensors").at(3).at("angle").get<double>(), 90, 20);
+  EXPECT_LT(found.at("sensors").at(2).at("angle").get<double>(), 20);
+
+  request["alignment"] = {{"standing", {2.0, 3.0}}};
+  ExpectProblem(Post(request), 422, "/alignment/standing");
+  request["alignment"] = {{"standing", {3.0, 2.0}}};
+  ExpectProblem(Post(request), 400, "/alignment/standing");
+  request["alignment"] = {{"standing", {0.0}}};
+  ExpectProblem(Post(request), 400, "/alignment/standing");
+  request["alignment"] = {{"sitting", true}};
+  ExpectProblem(Post(request), 400, "/alignment/sitting");
+  request["alignment"] = true;
+  ExpectProblem(Post(request), 400, "/alignment");
+}
+
 // Streams are worked off while their answer goes out; only so many at a time.
 TEST_F(ReconstructionRoutesTest, FourStreamsAtATime) {
   HttpRequest request;
