@@ -1,10 +1,21 @@
 #include "api/clip_store.h"
 
+#include "synthesis/control/sensor_guide.h"
+
 namespace morphograph {
+namespace {
+
+std::size_t BytesOf(const ClipRequest& request) {
+  // A number takes eight bytes, and its text two or more.
+  const std::size_t bytes = 1000 + 4 * CanonicalJson(request).size();
+  const auto& sensors = request.control.sensors;
+  return bytes + (sensors && sensors->guide ? sensors->guide->bytes() : 0);
+}
+
+}  // namespace
 
 void ClipStore::Put(const std::string& id, Entry entry) {
-  // A number takes eight bytes, and its text two or more.
-  const std::size_t bytes = 1000 + 4 * CanonicalJson(entry.request).size();
+  const std::size_t bytes = BytesOf(entry.request);
   const std::lock_guard lock(mutex_);
   if (const auto known = by_id_.find(id); known != by_id_.end()) {
     by_use_.splice(by_use_.begin(), by_use_, known->second);

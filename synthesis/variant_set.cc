@@ -151,8 +151,11 @@ VariantSummary SummariseVariants(const SynthesisRequest& request, int asked, con
 
 VariantSet MakeVariants(const MotionGraph& graph, const SynthesisRequest& asked, const VariantOptions& options) {
   SynthesisRequest request = asked;
-  PrepareSensors(graph, &request);
   if (options.count < 1) throw std::invalid_argument("MakeVariants: count must be at least 1");
+  if (request.control.sensors) {
+    const Turn turn(options, 0);
+    PrepareSensors(graph, &request, options.sensor_steps);
+  }
   std::vector<Attempt> attempts(static_cast<std::size_t>(options.count));
   std::atomic<std::int64_t> joint_frames = 0;
   const auto attempt = [&](int worker, int index) {

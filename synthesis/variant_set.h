@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "graph/motion_graph.h"
+#include "synthesis/control/sensor_guide.h"
 #include "synthesis/swept_area.h"
 #include "synthesis/synthesis_types.h"
 #include "synthesis/unsatisfiable_request.h"
@@ -69,6 +70,8 @@ struct VariantOptions {
   /// that. Once any `begin` returns false, MakeVariants() stops. Worker 0 measures the set too.
   std::function<bool(int worker)> begin;
   std::function<void(int worker)> end;
+  /// For a request with readings, see MakeSensorGuide(); they are made ready in worker 0's turn.
+  SensorStepsSource sensor_steps = {};
 };
 
 /// Makes the variants of a request, those that can be met, ranks and measures them. The result does not depend on the number of threads.

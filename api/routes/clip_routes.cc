@@ -8,6 +8,7 @@
 #include "api/problem.h"
 #include "api/routes.h"
 #include "api/routes/request_parts.h"
+#include "synthesis/control/sensor_guide.h"
 #include "synthesis/motion_synthesizer.h"
 
 namespace morphograph {
@@ -42,9 +43,7 @@ void SetClipHeaders(const std::string& id, ClipForm form, const ClipStore::Entry
 
 HttpResponse MakeClip(Service* service, const std::string& id, ClipForm form, const ClipStore::Entry& entry) {
   const auto started = std::chrono::steady_clock::now();
-  SynthesisRequest asked = ToSynthesisRequest(entry.request);
-  PrepareSensors(service, *entry.model, &asked);
-  SynthesisResult made = Synthesize(*entry.model->graph, asked);
+  SynthesisResult made = Synthesize(*entry.model->graph, ToSynthesisRequest(entry.request));
   const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - started;
   made.report.model_name = entry.model->name;  // as it was asked for: two files may call their models the same
   service->metrics.CountClip(made.clip.frame_count(), elapsed.count());
@@ -85,6 +84,10 @@ HttpResponse CreateClip(Service* service, const HttpRequest& request) {
   entry.model = FindServed(service->models, entry.request.model);
   if (!entry.request.seed) entry.request.seed = DrawSeed();
   const std::string id = ClipId(entry.model->graph->hash(), entry.request);
+  if (auto& sensors = entry.request.control.sensors) {
+    // Kept with the request, for whoever asks for the clip or its report again.
+    sensors->guide = MakeSensorGuide(*entry.model->graph, ToSynthesisRequest(entry.request), SensorStepsOf(service, *entry.model));
+  }
   HttpResponse response = MakeClip(service, id, form, entry);
   response.Set("Location", "/v1/clips/" + id);
   service->clips.Put(id, std::move(entry));

@@ -2,7 +2,6 @@
 
 #include "api/content_negotiation.h"
 #include "api/problem.h"
-#include "synthesis/control/sensor_guide.h"
 
 namespace morphograph {
 
@@ -22,10 +21,8 @@ std::shared_ptr<const ServedModel> FindServed(const ModelRegistry& models, const
   throw ProblemError(std::move(problem));
 }
 
-void PrepareSensors(Service* service, const ServedModel& model, SynthesisRequest* request) {
-  PrepareSensors(*model.graph, request, [&](const std::vector<Placement>& sensors) {
-    return service->reconstructors.Get(model.graph, ReconstructionMethod::kGraph, sensors)->steps();
-  });
+SensorStepsSource SensorStepsOf(Service* service, const ServedModel& model) {
+  return [service, &model](const std::vector<Placement>& sensors) { return service->reconstructors.Get(model.graph, ReconstructionMethod::kGraph, sensors)->steps(); };
 }
 
 }  // namespace morphograph

@@ -6,7 +6,7 @@
 #include "api/http_message.h"
 #include "api/model_registry.h"
 #include "api/service.h"
-#include "synthesis/synthesis_types.h"
+#include "synthesis/control/sensor_guide.h"
 
 namespace morphograph {
 
@@ -16,8 +16,7 @@ const std::string& ClipRequestText(const HttpRequest& request);
 /// A model that is served. @throws ProblemError 404 at /model, naming those that are.
 std::shared_ptr<const ServedModel> FindServed(const ModelRegistry& models, const std::string& name);
 
-/// Makes the readings of a clip request ready, where it has some, with what was made for the same sensors before.
-/// @throws UnsatisfiableRequest as MakeSensorGuide().
-void PrepareSensors(Service* service, const ServedModel& model, SynthesisRequest* request);
+/// For MakeSensorGuide(): with what was made for the same sensors before. Both must outlive it.
+SensorStepsSource SensorStepsOf(Service* service, const ServedModel& model);
 
 }  // namespace morphograph

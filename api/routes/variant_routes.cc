@@ -44,9 +44,8 @@ HttpResponse CreateVariants(Service* service, const HttpRequest& request) {
     options.end = [work](int worker) { work->EndTurn(worker); };
   }
   try {
-    SynthesisRequest request_of_all = ToSynthesisRequest(clip);
-    PrepareSensors(service, *model, &request_of_all);
-    answer->set = MakeVariants(*model->graph, request_of_all, options);
+    options.sensor_steps = SensorStepsOf(service, *model);
+    answer->set = MakeVariants(*model->graph, ToSynthesisRequest(clip), options);
   } catch (const VariantsTooLarge& large) {
     throw ProblemError(Problem{422, "the request cannot be met", {{"/count", large.what()}}, {}, {}});
   } catch (const VariantsCancelled&) {

@@ -10,6 +10,25 @@
 namespace morphograph {
 namespace {
 
+// Readings at kSensorRate_hz as they would be at a lower rate: averaged under a triangle of half width 1 / rate, as the second difference of positions at that rate
+// averages the accelerations at a higher one.
+Eigen::MatrixXd AtLowerRate(const Eigen::MatrixXd& readings, double rate_hz) {
+  const double ratio = kSensorRate_hz / rate_hz;
+  const auto samples = static_cast<Eigen::Index>(static_cast<double>(readings.cols() - 1) / ratio + 1e-9) + 1;
+  Eigen::MatrixXd averaged = Eigen::MatrixXd::Zero(readings.rows(), samples);
+  for (Eigen::Index n = 0; n < samples; ++n) {
+    const double at = static_cast<double>(n) * ratio;
+    double sum = 0;
+    for (auto i = std::max<Eigen::Index>(0, static_cast<Eigen::Index>(std::ceil(at - ratio))); i < readings.cols() && static_cast<double>(i) < at + ratio; ++i) {
+      const double weight = 1 - std::abs(static_cast<double>(i) - at) / ratio;
+      averaged.col(n) += weight * readings.col(i);
+      sum += weight;
+    }
+    averaged.col(n) /= sum;
+  }
+  return averaged;
+}
+
 double Apart(double a, double b) { return std::abs(std::remainder(a - b, 2 * M_PI)); }
 
 class Measurer {
@@ -86,12 +105,16 @@ class Measurer {
     return steps > 0 ? sum / steps : std::numeric_limits<double>::infinity();
   }
 
-  // Of all readings but the first and the last, whose second differences would take a sample outside.
+  // Of all readings but the first and the last, whose second differences would take a sample outside. Where a clip has fewer frames than that, at its own rate:
+  // between them it says nothing of accelerations.
   double SensorMiss() const {
-    const Eigen::MatrixXd& wanted = problem_.sensors->readings;
-    const Eigen::Index samples = std::min<Eigen::Index>(wanted.cols(), static_cast<Eigen::Index>(measured_.clip.duration_s() * kSensorRate_hz + 1e-6) + 1);
+    const bool is_slow = measured_.clip.frame_rate_hz() < kSensorRate_hz;
+    const double rate_hz = is_slow ? measured_.clip.frame_rate_hz() : kSensorRate_hz;
+    if (problem_.sensors->readings.cols() < 3) return 0;
+    const Eigen::MatrixXd wanted = is_slow ? AtLowerRate(problem_.sensors->readings, rate_hz) : problem_.sensors->readings;
+    const Eigen::Index samples = std::min<Eigen::Index>(wanted.cols(), static_cast<Eigen::Index>(measured_.clip.duration_s() * rate_hz + 1e-6) + 1);
     if (samples < 3) return 0;
-    const Eigen::MatrixXd there = VirtualAccelerations(measured_.clip, problem_.sensors->placements, kSensorRate_hz).values;
+    const Eigen::MatrixXd there = VirtualAccelerations(measured_.clip, problem_.sensors->placements, rate_hz).values;
     const Eigen::Index inner = std::min(samples, there.cols()) - 2;
     return std::sqrt((there.middleCols(1, inner) - wanted.middleCols(1, inner)).squaredNorm() / static_cast<double>(inner * wanted.rows()));
   }

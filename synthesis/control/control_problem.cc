@@ -204,7 +204,12 @@ class Maker {
     }
     if (problem_.sensors) {
       for (const DrawnStep& step : problem_.sensors->walk.steps) guide.given.push_back(step.step);
-      if (!guide.given.empty()) guide.given_from_s = problem_.sensors->walk.steps.front().start / kSensorRate_hz;
+      if (!guide.given.empty()) {
+        // On the graph a step may take less time than was found. Its end lies among the readings, its beginning only may.
+        const DrawnStep& first = problem_.sensors->walk.steps.front();
+        const double duration_s = problem_.graph.primitive(first.step.primitive).Shape(first.step.latent).duration_s;
+        guide.given_from_s = std::min(0.0, first.end / kSensorRate_hz - duration_s);
+      }
       if (!guide.duration_s && !guide.steps && problem_.sensors->readings.cols() >= 2) guide.duration_s = problem_.sensors->duration_s();
     }
     if (!guide.duration_s && !guide.steps && !guide.path) guide.duration_s = kDefaultDuration_s;

@@ -14,20 +14,30 @@ constexpr int kFewestSamples = 3;
 // Readings that may steer a clip, in seconds times (3 + sensors): 2 minutes of four sensors. Each solution looks at all of them.
 constexpr double kMostReadings = 840;
 
-// The style that a request names; empty where readings are to say it.
+std::string ActionAskedFor(const MotionGraph& graph, const SynthesisRequest& request) { return request.action.value_or(graph.action()); }
+
+// The style that a request names; empty where it names none that there is.
 std::optional<int> StyleAskedFor(const MotionGraph& graph, const SynthesisRequest& request) {
-  const std::string action = request.action.value_or(graph.action_names().front());
-  if (!request.style && action == graph.action_names().front()) return std::nullopt;
-  for (std::size_t s = 0; s < graph.styles().size(); ++s) {
+  for (std::size_t s = 0; request.style && s < graph.styles().size(); ++s) {
     const GraphStyle& style = graph.styles()[s];
-    if (graph.action_of(style) == action && (!request.style || style.name == *request.style)) return static_cast<int>(s);
+    if (graph.action_of(style) == ActionAskedFor(graph, request) && style.name == *request.style) return static_cast<int>(s);
   }
-  return std::nullopt;  // which Synthesize() refuses
+  return std::nullopt;
 }
 
-// Whether readings may choose among the styles: of the graph's own action, none named.
-bool IsOwnAction(const MotionGraph& graph, const SynthesisRequest& request) {
-  return !request.style && request.action.value_or(graph.action_names().front()) == graph.action_names().front();
+bool HasAction(const MotionGraph& graph, const std::string& action) {
+  const std::vector<std::string> actions = graph.action_names();
+  return std::find(actions.begin(), actions.end(), action) != actions.end();
+}
+
+std::shared_ptr<const SensorSteps> StepsOf(const MotionGraph& graph, const std::vector<Placement>& placements, const SensorStepsSource& source) {
+  try {
+    if (source) return source(placements);
+    const MotionSource recorded = SourceOf(graph);
+    return std::make_shared<const SensorSteps>(recorded.clips, recorded.steps, graph.layout(), placements);
+  } catch (const std::invalid_argument&) {  // placements have been checked
+    throw UnsatisfiableRequest("/model", "its recordings hold no whole step that readings could be compared with");
+  }
 }
 
 void Check(const MotionGraph& graph, const SynthesisRequest& request) {
@@ -49,13 +59,25 @@ void Check(const MotionGraph& graph, const SynthesisRequest& request) {
 
 }  // namespace
 
+std::size_t SensorGuide::bytes() const {
+  Eigen::Index values = readings.size() + repaired.readings.values.size();
+  for (const DrawnStep& drawn : walk.steps) {
+    values += drawn.shape.poses.size() + drawn.step.whitened.size() + drawn.step.latent.size();
+    for (const auto* of_manner : {&drawn.step.manner.m, &drawn.step.manner.components}) {
+      for (const Eigen::VectorXd& part : *of_manner) values += part.size() + 2;
+    }
+  }
+  return sizeof(SensorGuide) + sizeof(double) * static_cast<std::size_t>(values);
+}
+
 std::shared_ptr<const SensorGuide> MakeSensorGuide(const MotionGraph& graph, const SynthesisRequest& request, const SensorStepsSource& source) {
   if (const auto problem = request.FirstProblem()) throw std::invalid_argument("MakeSensorGuide: " + problem->first + " " + problem->second);
   Check(graph, request);
   const SensorTerm& term = *request.control.sensors;
   auto guide = std::make_shared<SensorGuide>();
   const std::optional<int> style = StyleAskedFor(graph, request);
-  if ((request.style || request.action) && !style && !IsOwnAction(graph, request)) return guide;  // no such style or action, which Synthesize() says
+  const std::string action = ActionAskedFor(graph, request);
+  if ((request.style && !style) || !HasAction(graph, action)) return guide;  // no such style or action, which Synthesize() says
   if (term.readings.sample_count() < kFewestSamples) {
     guide->placements = term.placements;
     guide->readings.resize(3 * static_cast<Eigen::Index>(term.placements.size()), 0);
@@ -78,14 +100,8 @@ std::shared_ptr<const SensorGuide> MakeSensorGuide(const MotionGraph& graph, con
   }
   guide->readings = readings.values(rows, Eigen::all);
 
-  std::shared_ptr<const SensorSteps> steps;
-  if (source) {
-    steps = source(guide->placements);
-  } else {
-    const MotionSource recorded = SourceOf(graph);
-    steps = std::make_shared<const SensorSteps>(recorded.clips, recorded.steps, graph.layout(), guide->placements);
-  }
-  guide->walk = FindWalk(graph, *steps, guide->readings, style);
+  const std::shared_ptr<const SensorSteps> steps = StepsOf(graph, guide->placements, source);
+  guide->walk = FindWalk(graph, *steps, guide->readings, style ? StyleChoice{*style} : StyleChoice{{}, action});
   for (std::size_t k = 1; k < guide->walk.steps.size(); ++k) {
     if (guide->walk.steps[k].step.edge >= 0) continue;
     throw UnsatisfiableRequest(request.style ? "/style" : "/model", "its left and right steps are not joined by transitions, which steering needs");

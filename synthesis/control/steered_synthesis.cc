@@ -4,8 +4,10 @@
 #include <cmath>
 #include <cstdio>
 #include <numbers>
+#include <optional>
 #include <type_traits>
 
+#include "synthesis/control/foot_landings.h"
 #include "synthesis/unsatisfiable_request.h"
 #include "synthesis/walk_clip.h"
 
@@ -14,7 +16,7 @@ namespace {
 
 constexpr int kAttempts = 4;
 constexpr double kBudget = 1e6;        // of a request, in units of SteerBudget
-constexpr double kPlannedStep = 4;     // the same, of a step of a walk that is searched for, all that it was held against included
+constexpr double kOddSwing = 0.1;      // beyond the range of swings, in parts of it: rather than that, another walk is drawn
 constexpr double kLookAhead_s = 2;  // of a walk, to see which foot it lifts first
 
 // For people: "0.1234 m", "12.3 degrees".
@@ -114,15 +116,15 @@ bool ShowsRearFoot(const ControlProblem& problem, const WalkPlan& plan, int side
 }
 
 // Plans a walk whose feet are put down in turn as foot steps count them.
-WalkPlan PlanSteps(ControlProblem* problem, int effort, KinematicsCache* kinematics, std::mt19937_64& rng) {
+WalkPlan PlanSteps(ControlProblem* problem, int effort, KinematicsCache* kinematics, SteerBudget* budget, std::mt19937_64& rng) {
   WalkGuide& guide = problem->guide;
-  WalkPlan plan = PlanWalk(problem->graph, guide, effort, kinematics, rng);
+  WalkPlan plan = PlanWalk(problem->graph, guide, effort, kinematics, budget, rng);
   const int lifted = LandingFoot(problem->graph.primitive(plan.steps[0].primitive));
   if (guide.feet.empty() || !guide.given.empty() || guide.from != WalkBoundary::kWalking || lifted < 0) return plan;
   const bool shows = ShowsRearFoot(*problem, plan, lifted);
   if (shows == (plan.first_contacts[lifted] > 1)) return plan;
   guide.counts_rear_foot = shows;
-  return PlanWalk(problem->graph, guide, effort, kinematics, rng);
+  return PlanWalk(problem->graph, guide, effort, kinematics, budget, rng);
 }
 
 }  // namespace
@@ -131,20 +133,31 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   ControlProblem problem = MakeControlProblem(graph, request, style, frame_rate_hz);
   KinematicsCache kinematics(graph);
   SteeredWalk best;
+  std::optional<SteeredWalk> odd;  // does all that is asked, by the least odd swing
   SteerBudget budget(kBudget);
   std::vector<UnmetField> too_short;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (attempt > 0 && budget.spent()) break;
-    const WalkPlan plan = PlanSteps(&problem, attempt + 1, &kinematics, rng);
-    budget.Take(kPlannedStep * 32 * (attempt + 1) * static_cast<double>(plan.steps.size()));
+    WalkPlan plan;
+    try {
+      plan = PlanSteps(&problem, attempt + 1, &kinematics, &budget, rng);
+    } catch (const UnsatisfiableRequest&) {
+      if (best.outcomes.empty() && !odd) throw;
+      break;  // the walks before say more of what is missing
+    }
     if (std::vector<UnmetField> past = MomentsPastTheEnd(problem, plan); !past.empty()) {
       too_short = std::move(past);  // another walk may take longer
       continue;
     }
     SteeredWalk walk = OptimizeWalk(problem, plan, &kinematics, &budget, problem.sensors ? DrawPosterior(*problem.sensors, rng) : PosteriorDraw());
-    if (walk.all_met()) return walk;
+    if (walk.all_met()) {
+      if (walk.swing_excess <= kOddSwing) return walk;
+      if (!odd || walk.swing_excess < odd->swing_excess) odd = std::move(walk);
+      continue;
+    }
     if (best.outcomes.empty() || Misses(walk) < Misses(best)) best = std::move(walk);
   }
+  if (odd) return std::move(*odd);
   if (best.outcomes.empty()) throw UnsatisfiableRequest(std::move(too_short));
   // The worst first: what cannot be had drags others along.
   std::erase_if(best.outcomes, [](const ControlOutcome& outcome) { return outcome.met; });

@@ -189,4 +189,14 @@ PlaceState StepKinematics::Next(const Eigen::VectorXd& w, const KeyframePlace& p
   return next;
 }
 
+KeyframePlace PlaceBefore(const StepKinematics& step, const Eigen::VectorXd& whitened, const KeyframePlace& root, double begins_s) {
+  KeyframePlace place(0, 0, 0, begins_s);
+  const Eigen::Vector3d there = step.Root({true, root[kPlaceTime]}, whitened, place).value;
+  place[kPlaceHeading] = root[kPlaceHeading] - there[2];
+  const double c = std::cos(place[kPlaceHeading]), s = std::sin(place[kPlaceHeading]);
+  place[kPlaceX] = root[kPlaceX] - (c * there[0] + s * there[1]);
+  place[kPlaceZ] = root[kPlaceZ] - (-s * there[0] + c * there[1]);
+  return place;
+}
+
 }  // namespace morphograph

@@ -93,4 +93,7 @@ class StepKinematics {
   StepModel::Map first_, middle_, second_;  // root at the key frames and half way
 };
 
+/// Where a step has begun that has its root at a place at that place's time.
+KeyframePlace PlaceBefore(const StepKinematics& step, const Eigen::VectorXd& whitened, const KeyframePlace& root, double begins_s);
+
 }  // namespace morphograph

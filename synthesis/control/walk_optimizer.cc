@@ -8,7 +8,9 @@
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 #include <limits>
+#include <tuple>
 
+#include "synthesis/control/foot_landings.h"
 #include "synthesis/control/pose_goals.h"
 #include "synthesis/control/residuals/latent_subspace.h"
 #include "synthesis/control/walk_terms.h"
@@ -27,6 +29,7 @@ constexpr double kEnoughOnTheWhole = 0.9;
 constexpr double kHelps = 0.5, kProgress = 0.95;  // of the largest residual, from round to round; more is none
 // Norms of latents, in the largest of the training: how far outside of it they are likely to be moved, and how far at most.
 constexpr double kRadius = 0.02, kFarthest = 0.15;
+constexpr double kSwingGive = 0.05;       // part of the range of swings that one may be beyond it
 constexpr double kFoundTime_s = 0.02;     // deviation of the first key frame of steps that were found in readings
 constexpr double kPose = 0.3, kFrame = 1.5;  // units of SteerBudget: a pose of arms or head, a frame of a clip that is made and measured
 constexpr int kFewestIterations = 3;      // of a solution, however little is left of the budget
@@ -40,7 +43,7 @@ Eigen::Vector3d Turned(double heading, const Eigen::Vector3d& local) {
 class Optimizer {
  public:
   Optimizer(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, SteerBudget* budget, const PosteriorDraw& draw)
-      : problem_(problem), budget_(*budget), graph_(problem.graph), walk_{.problem = problem, .steps = plan.steps, .places = plan.places, .along_m = plan.along_m, .frames = plan.frames} {
+      : problem_(problem), budget_(*budget), graph_(problem.graph), kinematics_(*kinematics), walk_{.problem = problem, .steps = plan.steps, .places = plan.places, .along_m = plan.along_m, .frames = plan.frames} {
     for (size_t k = 0; k < walk_.steps.size(); ++k) {
       walk_.kinematics.push_back(kinematics->Of(walk_.steps[k]));
       walk_.latents.push_back(walk_.steps[k].whitened);
@@ -60,6 +63,8 @@ class Optimizer {
       if (draw.readings_m_s2.size() > 0) walk_.readings += draw.readings_m_s2;
     }
     joins_.assign(walk_.steps.size(), Eigen::Vector3d::Zero());
+    walk_.swings.resize(walk_.steps.size());
+    times_beyond_.resize(walk_.steps.size());
     walk_.made.start = problem_.guide.start;
     walk_.made.start.heading_rad = walk_.FirstHeading();
   }
@@ -72,14 +77,20 @@ class Optimizer {
       // Long walks bend farther before they are where they should be.
       Solve((round == 0 ? kFirstIterations : kLaterIterations) + static_cast<int>(walk_.steps.size()) / 10);
       MakeClip();
+      const bool holds_more = HoldSwings();
       const double worst = WorstMiss(), before = least;
-      if (round == 0 || Unmet(walk_.made) < Unmet(best) || (Unmet(walk_.made) == Unmet(best) && worst < least)) {
+      const auto rank = [](const SteeredWalk& walk, double miss) { return std::tuple(Unmet(walk), std::max(0.0, walk.swing_excess - kSwingGive), miss); };
+      if (round == 0 || rank(walk_.made, worst) < rank(best, least)) {
         least = worst;
         best = walk_.made;
       }
       // While rounds still help by themselves, and in long walks at first, what is missing is only that clips are not what the steps alone say.
       const bool helps = round == 0 ? walk_.steps.size() > 2 * kShortWalk : worst < kHelps * before;
       const bool tightened = !helps && Tighten();
+      if (holds_more && !budget_.spent()) {
+        TakeOverPlaces();
+        continue;
+      }
       if (least <= 1 || budget_.spent() || (round > 0 && !helps && !tightened && worst > kProgress * before)) break;
       TakeOverPlaces();
     }
@@ -197,6 +208,31 @@ class Optimizer {
     walk_.made.outcomes = MeasureControls(problem_, walk_.made.keyframe_times_s, {walk_.made.clip, walk_.made.evaluation.contacts});
   }
 
+  // Measures the swings of the clip, and has those held from now on that no walker would make. True where that is news.
+  bool HoldSwings() {
+    bool news = false;
+    walk_.made.swing_excess = 0;
+    for (size_t k = 0; k < walk_.steps.size(); ++k) {
+      const int side = LandingFoot(graph_.primitive(walk_.steps[k].primitive));
+      const DrawnStep& drawn = walk_.made.walk.steps[k];
+      const int from = std::max(0, static_cast<int>(std::floor(drawn.start))), to = std::min(walk_.frames - 1, static_cast<int>(std::ceil(drawn.end)));
+      if (side < 0 || to <= from) continue;
+      const SwingRange& range = kinematics_.SwingsOf(walk_.steps[k], *problem_.ball[side].chain);
+      const ClipSwing swing = SwingInClip(walk_.made.clip, side == 0 ? Foot::kLeft : Foot::kRight, from, to);
+      const double excess = std::max(swing.speed_m_s / range.speed_m_s, swing.height_m / range.height_m) - 1;
+      walk_.made.swing_excess = std::max(walk_.made.swing_excess, excess);
+      if (excess <= kSwingGive) continue;
+      // Clips swing somewhat faster than the phases of a step tell: what is held already and still too fast is held to as much less.
+      SwingRange& held = walk_.swings[k] ? *walk_.swings[k] : walk_.swings[k].emplace(range);
+      if (times_beyond_[k]++ > 0) {
+        held.speed_m_s *= std::min(1.0, range.speed_m_s / swing.speed_m_s);
+        held.height_m *= std::min(1.0, range.height_m / swing.height_m);
+      }
+      news = true;
+    }
+    return news;
+  }
+
   static std::ptrdiff_t Unmet(const SteeredWalk& walk) {
     return std::count_if(walk.outcomes.begin(), walk.outcomes.end(), [](const ControlOutcome& outcome) { return !outcome.met; });
   }
@@ -257,12 +293,14 @@ class Optimizer {
   const ControlProblem& problem_;
   SteerBudget& budget_;
   const MotionGraph& graph_;
+  KinematicsCache& kinematics_;
   WalkState walk_;
   std::vector<StepInnovation> innovations_;
   std::vector<Eigen::VectorXd> drawn_;        // innovations
   std::vector<Eigen::MatrixXd> covariances_;  // of a step's latent and the one's before
   Eigen::VectorXd first_;                     // drawn latent of the first step
   std::vector<Eigen::Vector3d> joins_;        // what a clip's joins add to the steps, see NextPlaceResidual
+  std::vector<int> times_beyond_;            // rounds in which a step's swing was found beyond its range
   TermSternness sternness_;
 };
 

@@ -24,6 +24,7 @@ PosteriorDraw DrawPosterior(const SensorGuide& sensors, std::mt19937_64& rng);
 /// Clips are made of cross-faded steps with their feet locked, so that they deviate from what the steps alone say. The clip is therefore
 /// made after each solution, what it really does is measured, and the difference becomes part of the next one, until the terms are met
 /// on the clip itself or no longer come nearer.
+/// A step whose swing comes out faster or higher than swings of its kind do is held to their range in the solutions after that (SwingResidual).
 /// @param budget  what it takes is taken from it; once it is spent, the round that is under way is the last.
 /// @param draw  of a problem with readings.
 SteeredWalk OptimizeWalk(const ControlProblem& problem, const WalkPlan& plan, KinematicsCache* kinematics, SteerBudget* budget, const PosteriorDraw& draw = {});

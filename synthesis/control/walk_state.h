@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "synthesis/control/control_measure.h"
+#include "synthesis/control/swing_range.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/walk_sampler.h"
 
@@ -18,6 +19,7 @@ struct SteeredWalk {
   ClipEvaluation evaluation;
   std::vector<double> keyframe_times_s;
   std::vector<ControlOutcome> outcomes;
+  double swing_excess = 0;  // of the swing that is farthest beyond what swings of its kind keep to (SwingRange), in parts of that; 0 where all are within
 
   bool all_met() const;
 };
@@ -32,6 +34,7 @@ struct WalkState {
   std::vector<double> along_m;           // of the places, on the guide's path
   int frames = 0;                        // of the clip
   Eigen::MatrixXd readings;              // that the walk is held to
+  std::vector<std::optional<SwingRange>> swings = {};  // of the steps, where a swing was beyond them and is held to them since
   SteeredWalk made;                      // no frames before there was a solution
 
   // A moment of the clip: the step that it lies in, and the frame.

@@ -9,7 +9,9 @@
 
 #include "datasets/forward_kinematics.h"
 #include "synthesis/control/floor_area.h"
+#include "synthesis/control/foot_landings.h"
 #include "synthesis/control/residuals/sensor_residual.h"
+#include "synthesis/control/residuals/swing_residual.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
 
@@ -38,6 +40,7 @@ void WalkTerms::AddAll() {
   AddPathAndGoal();
   AddConstraints();
   AddSensors();
+  AddSwings();
 }
 
 // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
@@ -46,7 +49,7 @@ void WalkTerms::Add(StepResidual* residual, size_t step, double work) {
   ceres::LossFunction* scale = weight_ == 1 ? nullptr : new ceres::ScaledLoss(nullptr, weight_, ceres::TAKE_OWNERSHIP);
   equations_->AddResidualBlock(residual, scale, walk_.latents[step].data(), walk_.places[step].data());
   if (work_ > kMostWork) throw UnsatisfiableRequest("/constraints", "all that is asked for takes too much work at a time; ask for fewer terms or areas, for shorter times, or a shorter way");
-  const Eigen::MatrixXd rows = residual->ByLatent(walk_.latents[step], walk_.places[step]);
+  const Eigen::MatrixXd& rows = residual->ByLatent(walk_.latents[step], walk_.places[step]);
   for (Eigen::Index r = 0; r < rows.rows(); ++r) directions_[step].push_back(rows.row(r));
 }
 
@@ -123,6 +126,16 @@ void WalkTerms::AddSensors() {
                            walk_.readings.middleCols(from, to - from), kReadingDeviation_m_s2),
         k, static_cast<double>(to - from) * (kWholePose + kSensor * static_cast<double>(problem_.chained_sensors.size())));
     from = to;
+  }
+}
+
+// Swings that no walker would make, once there was one.
+void WalkTerms::AddSwings() {
+  weight_ = 1;
+  for (size_t k = 0; k < walk_.steps.size(); ++k) {
+    if (!walk_.swings[k]) continue;
+    const ResolvedJoint& ball = problem_.ball[LandingFoot(problem_.graph.primitive(walk_.steps[k].primitive))];
+    Add(new SwingResidual(walk_.kinematics[k], ball.chain, *walk_.swings[k]), k, (kSwingSpans + 1) * kWholePose);
   }
 }
 

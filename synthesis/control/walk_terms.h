@@ -49,6 +49,7 @@ class WalkTerms {
   void AddPathAndGoal();
   void AddSensors();
   void AddConstraints();
+  void AddSwings();
   void AddPoint(const Moment& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const bool* use, double tolerance_m);
   void AddTerm(const PositionTerm& term, const std::vector<ResolvedJoint>& joints);
   void AddTerm(const OrientationTerm& term, const std::vector<ResolvedJoint>& joints);

@@ -3,6 +3,7 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <stdexcept>
 
@@ -37,23 +38,6 @@ std::vector<WalkingPrimitives> FindWalking(const MotionGraph& graph) {
   return styles;
 }
 
-// The style that most of the nearest captured steps have, of those that the graph walks in.
-WalkingPrimitives ChooseStyle(const MotionGraph& graph, const CapturedSteps& steps, const std::vector<FittedStep>& fitted) {
-  std::vector<WalkingPrimitives> styles = FindWalking(graph);
-  // Of the graph's own action: styles of another may be called the same, and its feet stand otherwise.
-  std::erase_if(styles, [&](const WalkingPrimitives& walking) { return !graph.styles()[static_cast<std::size_t>(walking.style)].other_action.empty(); });
-  if (styles.empty()) throw UnsatisfiableRequest("/model", "no style of this model walks");
-  Eigen::VectorXd votes = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(steps.styles().size()));
-  for (const FittedStep& step : fitted) votes += step.styles;
-  double most = -1;
-  WalkingPrimitives chosen = styles.front();
-  for (const WalkingPrimitives& walking : styles) {
-    const auto place = std::find(steps.styles().begin(), steps.styles().end(), graph.styles()[static_cast<std::size_t>(walking.style)].name);
-    const double count = place == steps.styles().end() ? 0 : votes[place - steps.styles().begin()];
-    if (count > most) most = count, chosen = walking;
-  }
-  return chosen;
-}
 
 WalkingPrimitives WalkingIn(const MotionGraph& graph, int style) {
   const std::vector<WalkingPrimitives> styles = FindWalking(graph);
@@ -74,6 +58,51 @@ StepShape ShapeOf(const PoseLayout& layout, const MeanRotations& from, const Mea
   return shape;
 }
 
+// The vector of a step (StepReduction).
+Eigen::VectorXd VectorOf(const StepShape& shape, Eigen::Index size) {
+  Eigen::VectorXd vector(size);
+  vector << shape.poses.reshaped(), std::log(shape.duration_s), shape.log_slopes;
+  return vector;
+}
+
+// Which of some styles' mean steps a step is nearest to: their place in the list.
+std::size_t NearestStyle(const MotionGraph& graph, const CapturedSteps& steps, const std::vector<WalkingPrimitives>& styles, const FoundStep& found, const FittedStep& fitted) {
+  std::size_t nearest = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < styles.size(); ++i) {
+    const MeanRotations& means = graph.styles()[static_cast<std::size_t>(styles[i].style)].mean_rotations;
+    const StepReduction& reduction = graph.primitive(styles[i].landing[found.left ? 0 : 1]).reduction;
+    const Eigen::VectorXd step = VectorOf(ShapeOf(graph.layout(), steps.means(), means, fitted, found.frames() / kSensorRate_hz), reduction.mean.size());
+    const double distance = (step - reduction.mean).cwiseProduct(StepWeights(graph.layout().ChannelWeights(means))).squaredNorm();
+    if (distance < least) least = distance, nearest = i;
+  }
+  return nearest;
+}
+
+// The style of an action that most of the nearest captured steps have, of those that the graph walks in. Captured steps know their style's name only: where styles
+// of several actions are called the same, a step's votes for that name are for the one whose mean step it is nearest to.
+WalkingPrimitives ChooseStyle(const MotionGraph& graph, const CapturedSteps& steps, const std::string& action, const std::vector<FoundStep>& found, const std::vector<FittedStep>& fitted) {
+  const std::vector<WalkingPrimitives> styles = FindWalking(graph);
+  const auto style_of = [&](const WalkingPrimitives& walking) -> const GraphStyle& { return graph.styles()[static_cast<std::size_t>(walking.style)]; };
+  std::optional<WalkingPrimitives> chosen;
+  double most = -1;
+  for (const WalkingPrimitives& walking : styles) {
+    if (graph.action_of(style_of(walking)) != action) continue;
+    std::vector<WalkingPrimitives> same_name = {walking};
+    for (const WalkingPrimitives& other : styles) {
+      if (other.style != walking.style && style_of(other).name == style_of(walking).name) same_name.push_back(other);
+    }
+    const auto place = std::find(steps.styles().begin(), steps.styles().end(), style_of(walking).name) - steps.styles().begin();
+    double votes = 0;
+    for (std::size_t k = 0; k < fitted.size() && place < static_cast<std::ptrdiff_t>(steps.styles().size()); ++k) {
+      if (same_name.size() == 1 || NearestStyle(graph, steps, same_name, found[k], fitted[k]) == 0) votes += fitted[k].styles[place];
+    }
+    if (votes > most) most = votes, chosen = walking;
+  }
+  if (!chosen) throw UnsatisfiableRequest("/model", "no style of this model has steady steps of both feet" + (action == graph.action() ? std::string() : " in the action '" + action + "'"));
+  return *chosen;
+}
+
 // Latents of steps under a primitive's reduction, by weighted least squares.
 class Projector {
  public:
@@ -82,9 +111,7 @@ class Projector {
     solver_.compute(primitive.reduction.basis.cast<double>().transpose() * weighted_);
   }
   Eigen::VectorXd operator()(const StepShape& shape) const {
-    Eigen::VectorXd vector(mean_.size());
-    vector << shape.poses.reshaped(), std::log(shape.duration_s), shape.log_slopes;
-    return solver_.solve(weighted_.transpose() * (vector - mean_));
+    return solver_.solve(weighted_.transpose() * (VectorOf(shape, mean_.size()) - mean_));
   }
 
  private:
@@ -143,7 +170,7 @@ void Locate(const MotionGraph& graph, int style, std::vector<DrawnStep>* walk) {
 
 }  // namespace
 
-FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, std::optional<int> style, const StepFitOptions& options) {
+FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, const StyleChoice& style, const StepFitOptions& options) {
   const CapturedSteps& steps = sensors.steps();
   if (readings.rows() != 3 * static_cast<Eigen::Index>(steps.sensors().size())) throw std::invalid_argument("FindWalk: readings are not of these sensors");
   const std::vector<FoundStep> found = sensors.search().Find(readings);
@@ -156,7 +183,7 @@ FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const E
     squares += fitted.back().residual_m_s2 * fitted.back().residual_m_s2 / static_cast<double>(found.size());
   }
   walk.residual_m_s2 = std::sqrt(squares);
-  const WalkingPrimitives walking = style ? WalkingIn(graph, *style) : ChooseStyle(graph, steps, fitted);
+  const WalkingPrimitives walking = style.style ? WalkingIn(graph, *style.style) : ChooseStyle(graph, steps, style.action.empty() ? graph.action() : style.action, found, fitted);
   walk.style = walking.style;
   const MeanRotations& means = graph.styles()[static_cast<std::size_t>(walking.style)].mean_rotations;
   for (std::size_t k = 0; k < found.size(); ++k) {

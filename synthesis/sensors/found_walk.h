@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "graph/motion_graph.h"
@@ -19,12 +20,17 @@ struct FoundWalk {
   double residual_m_s2 = 0;  // root mean square of readings less the steps'
 };
 
+/// In which style to look for a walk: of the graph's styles, or where that is not given, the one of an action that most of the nearest captured steps have.
+struct StyleChoice {
+  std::optional<int> style = {};
+  std::string action = {};  // empty: the graph's own
+};
+
 /// Cuts readings into steps (StepSearch) and makes each the most likely one given its readings (FitStep).
 /// @param readings  (3 * sensors x frames) at kSensorRate_hz, finite, of `sensors`.
-/// @param style  of the walk; where it is not given, the one that most of the nearest captured steps have, of the graph's own action.
 /// @return no steps where the readings are shorter than one.
 /// @throws std::invalid_argument for readings of other sensors; UnsatisfiableRequest where no such style walks.
-FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, std::optional<int> style = {},
+FoundWalk FindWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, const StyleChoice& style = {},
                    const StepFitOptions& options = {});
 
 }  // namespace morphograph

@@ -8,7 +8,7 @@
 namespace morphograph {
 
 GraphReconstruction ReconstructWalk(const MotionGraph& graph, const SensorSteps& sensors, const Eigen::MatrixXd& readings, const StepFitOptions& options) {
-  FoundWalk found = FindWalk(graph, sensors, readings, std::nullopt, options);
+  FoundWalk found = FindWalk(graph, sensors, readings, {}, options);
   if (found.steps.empty()) throw std::invalid_argument("ReconstructWalk: the readings are shorter than a step");
   const DrawnWalk walk{std::move(found.steps), static_cast<int>(readings.cols())};
   GraphReconstruction reconstruction;

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "api/clip_response.h"
+#include "synthesis/control/sensor_guide.h"
 
 namespace morphograph {
 namespace {
@@ -38,6 +39,20 @@ TEST(ClipStore, LongRequestsMakeRoomForFewerOthers) {
   store.Put("a", EntryOf(2));
   EXPECT_TRUE(store.Get("a"));
   EXPECT_EQ(store.Get("path99")->request.control.path->points_m.size(), 1000u);
+}
+
+TEST(ClipStore, CountsReadingsThatWereMadeReady) {
+  ClipStore store;
+  ClipStore::Entry entry = EntryOf(1);
+  store.Put("without", entry);
+  const std::size_t without = store.bytes();
+  auto guide = std::make_shared<SensorGuide>();
+  guide->readings.setZero(12, 10'000);
+  guide->walk.steps.resize(5);
+  for (DrawnStep& drawn : guide->walk.steps) drawn.shape.poses.setZero(100, 25);
+  entry.request.control.sensors.emplace().guide = guide;
+  store.Put("with", entry);
+  EXPECT_GT(store.bytes(), 2 * without + 8 * (12 * 10'000 + 5 * 100 * 25));
 }
 
 TEST(ClipId, NamesModelAndRequestNotTheModelsName) {

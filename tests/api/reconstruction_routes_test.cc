@@ -172,7 +172,11 @@ TEST_F(ReconstructionRoutesTest, ReadingsSteerClips) {
   EXPECT_EQ(report.at("constraints").at(0).at("unit"), "m/s2");
   EXPECT_FALSE(report.at("constraints").at(0).contains("tolerance"));
   EXPECT_EQ(report.at("sensors").at("sensors").size(), 4u);
-  EXPECT_EQ(ask("GET", response.headers.at("location"), "").body, response.body);
+  const std::string location = response.headers.at("location");
+  const auto kept = app_->service.clips.Get(location.substr(location.rfind('/') + 1));
+  ASSERT_TRUE(kept && kept->request.control.sensors);
+  EXPECT_TRUE(kept->request.control.sensors->guide) << "made ready once, not for everybody who asks again";
+  EXPECT_EQ(ask("GET", location, "").body, response.body);
 
   request["sensors"]["tolerance"] = 0.01;
   const RawResponse unmet = ask("POST", "/v1/clips", request.dump());

@@ -92,6 +92,10 @@ class Requests {
       request.seed += kOtherSeeds;
     } else if (kind == "path") {
       request.control.path = {.points_m = RandomLine(10 * (slow + fast) / 2, rng_), .smooth = true};
+    } else if (kind == "tight_bend") {  // radii under a metre
+      const double side = i % 2 == 0 ? 1 : -1;
+      request.control.path = {.points_m = {{0, 0}, {0, 2}, {side * 1.2, 3.4}, {side * 0.5, 5}, {-side, 5.5}}, .smooth = true};
+      for (size_t k = 2; k < 5; ++k) request.control.path->points_m[k] += Direction(M_PI) * Uniform(0, 0.1, rng_);
     } else if (kind == "polyline") {
       request.control.path = {.points_m = {{0, 0}, {2, 0}, {4, 3}}};
     } else if (kind == "goal") {
@@ -242,6 +246,22 @@ void PrintQuality(const std::vector<morphograph::MotionClip>& steered, const std
   worst("naturalness", [](const PieceQuality& piece) { return piece.naturalness; });
 }
 
+// The largest swings of clips, in those that 99 of 100 captured steps of the style keep to.
+void PrintSwings(const char* what, const std::vector<morphograph::MotionClip>& clips, const std::map<std::string, morphograph::ClipSwing>& captured) {
+  const std::vector<morphograph::ClipSwing> swings = morphograph::bench::MeasureSwings(clips);
+  std::vector<double> speeds, heights;
+  for (size_t i = 0; i < clips.size(); ++i) {
+    const auto known = captured.find(clips[i].style);
+    if (known == captured.end()) return;
+    speeds.push_back(swings[i].speed_m_s / known->second.speed_m_s);
+    heights.push_back(swings[i].height_m / known->second.height_m);
+  }
+  const auto beyond = std::count_if(speeds.begin(), speeds.end(), [](double part) { return part > 1.1; });
+  std::printf("  largest swing of a clip / what 99 of 100 captured steps keep to, %s: speed median %.2f, largest %.2f, above 1.1 in %d of %d; height of the ball median %.2f, largest %.2f\n",
+              what, morphograph::Median(speeds), morphograph::Quantile(speeds, 1), static_cast<int>(beyond), static_cast<int>(speeds.size()), morphograph::Median(heights),
+              morphograph::Quantile(heights, 1));
+}
+
 void Run(const morphograph::MotionGraph& graph, const std::string& kind, int count, std::uint64_t seed, const std::string& out,
          const std::vector<PieceQuality>& captured_pieces) {
   Requests requests(graph, seed);
@@ -313,6 +333,9 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
     std::printf("  distance from path: median over clips of the mean %.2f cm, of 95 %% %.2f cm; worst clip %.2f, %.2f\n", 100 * morphograph::Quantile(path_mean, 0.5),
                 100 * morphograph::Median(path_95), 100 * morphograph::Quantile(path_mean, 1), 100 * morphograph::Quantile(path_95, 1));
   }
+  const auto swings = morphograph::bench::CapturedSwings(graph);
+  PrintSwings("steered", clips, swings);
+  PrintSwings("not steered", free, swings);
   if (clips.size() >= 5) PrintQuality(clips, free, other, numbers, captured_pieces);
 }
 
@@ -320,7 +343,7 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
 
 int main(int argc, char** argv) {
   std::string model, out;
-  std::vector<std::string> kinds = {"path", "polyline", "goal", "arrival", "speed", "heading", "footstep", "wrist", "keep_out", "look_at"};
+  std::vector<std::string> kinds = {"path", "tight_bend", "polyline", "goal", "arrival", "speed", "heading", "footstep", "wrist", "keep_out", "look_at"};
   int count = 50;
   std::uint64_t seed = 1;
   CLI::App app("Steered clips: accuracy, motion, time");

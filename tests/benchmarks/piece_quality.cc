@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "datasets/quantile.h"
+#include "graph/recorded_motion.h"
 #include "synthesis/set_quality.h"
 
 namespace morphograph::bench {
@@ -29,6 +31,31 @@ std::vector<PieceQuality> MeasurePieces(const std::vector<MotionClip>& clips) {
     }
   }
   return pieces;
+}
+
+std::vector<ClipSwing> MeasureSwings(const std::vector<MotionClip>& clips) {
+  std::vector<ClipSwing> swings;
+  for (const MotionClip& clip : clips) {
+    const ClipSwing left = SwingInClip(clip, Foot::kLeft, 0, clip.frame_count() - 1), right = SwingInClip(clip, Foot::kRight, 0, clip.frame_count() - 1);
+    swings.push_back({std::max(left.speed_m_s, right.speed_m_s), std::max(left.height_m, right.height_m)});
+  }
+  return swings;
+}
+
+std::map<std::string, ClipSwing> CapturedSwings(const MotionGraph& graph) {
+  std::map<std::string, ClipSwing> largest;
+  if (!graph.recordings()) return largest;
+  const std::vector<MotionClip> clips = RecordedClips(*graph.recordings(), graph.layout(), graph.styles()[0].mean_rotations);
+  std::map<std::string, std::pair<std::vector<double>, std::vector<double>>> steps;  // speeds, heights
+  for (const RecordedStep& step : graph.recordings()->steps) {
+    const MotionClip& clip = clips[static_cast<size_t>(step.clip)];
+    const int last = std::min(clip.frame_count() - 1, static_cast<int>(std::ceil(step.end_frame)));
+    const ClipSwing swing = SwingInClip(clip, step.left ? Foot::kLeft : Foot::kRight, static_cast<int>(step.start_frame), last);
+    steps[clip.style].first.push_back(swing.speed_m_s);
+    steps[clip.style].second.push_back(swing.height_m);
+  }
+  for (const auto& [style, values] : steps) largest[style] = {Quantile(values.first, 0.99), Quantile(values.second, 0.99)};
+  return largest;
 }
 
 void MeanQuality::Add(const MeanQuality& other, int times) {

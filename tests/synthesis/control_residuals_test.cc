@@ -9,7 +9,10 @@
 #include <random>
 
 #include "datasets/virtual_sensors.h"
+#include "synthesis/control/foot_landings.h"
+#include "synthesis/control/kinematics_cache.h"
 #include "synthesis/control/residuals/sensor_residual.h"
+#include "synthesis/control/residuals/swing_residual.h"
 #include "synthesis/walk_clip.h"
 #include "synthesis/walk_sampler.h"
 #include "tests/support/small_model.h"
@@ -71,6 +74,36 @@ class ControlResidual : public ::testing::Test {
   Eigen::Vector3d offset_{0.01, -0.02, 0.03};
 };
 
+// What it takes to solve is counted by how often terms are looked at: once a place, whatever a solver asks for there.
+TEST_F(ControlResidual, IsWorkedOutOnceAPlace) {
+  class Counting : public StepResidual {
+   public:
+    explicit Counting(std::shared_ptr<const StepKinematics> step) : StepResidual(std::move(step), 1) {}
+    mutable int count = 0;
+
+   protected:
+    Linear Linearise(const Eigen::VectorXd& w, const KeyframePlace&) const override {
+      ++count;
+      return {Eigen::VectorXd::Constant(1, w[0]), Eigen::RowVectorXd::Unit(w.size(), 0), Eigen::RowVector4d::Zero()};
+    }
+  } counting(steps_[0]);
+  Eigen::VectorXd latent = w(0);
+  std::vector<double> by_latent(static_cast<size_t>(latent.size()));
+  double value = 0, by_place[4];
+  const double* parameters[] = {latent.data(), place_.data()};
+  double* jacobians[] = {by_latent.data(), by_place};
+  counting.Evaluate(parameters, &value, nullptr);
+  counting.Evaluate(parameters, &value, jacobians);
+  EXPECT_EQ(counting.ByLatent(latent, place_)(0, 0), 1);
+  EXPECT_EQ(counting.count, 1);
+  latent[0] += 1;
+  counting.Evaluate(parameters, &value, nullptr);
+  EXPECT_EQ(value, latent[0]);
+  place_[0] += 1;
+  counting.Evaluate(parameters, &value, jacobians);
+  EXPECT_EQ(counting.count, 3);
+}
+
 TEST_F(ControlResidual, Innovation) {
   StepInnovation innovation(*graph_, walk_.steps[0].step, walk_.steps[1].step);
   const Eigen::VectorXd drawn = innovation.Value(w(0), w(1));
@@ -116,6 +149,59 @@ TEST_F(ControlResidual, Joints) {
 }
 
 TEST_F(ControlResidual, Speed) { CheckOfStep(SpeedResidual(steps_[0], 1.2, 0.05)); }
+
+TEST_F(ControlResidual, Swing) {
+  const auto ball = Chain(LandingFoot(graph_->primitive(walk_.steps[0].step.primitive)) == 0 ? JointRole::kLeftToe : JointRole::kRightToe);
+  const SwingState swing = SwingOf(*steps_[0], *ball, w(0));
+  // As fast, and as high, as the step's own clip has it.
+  std::vector<DrawnStep> steps = walk_.steps;
+  const double rate_hz = 200;
+  double time = 0;
+  for (DrawnStep& step : steps) {
+    step.start = time;
+    step.end = time += step.shape.duration_s * rate_hz;
+  }
+  const MotionClip clip = MakeWalkClip(*graph_, steps, static_cast<int>(steps[0].end), rate_hz, {}, {.foot_lock = false});
+  const ClipSwing of_clip = SwingInClip(clip, LandingFoot(graph_->primitive(steps[0].step.primitive)) == 0 ? Foot::kLeft : Foot::kRight, 0, clip.frame_count() - 1);
+  EXPECT_NEAR(swing.speed_m_s.maxCoeff(), of_clip.speed_m_s, 0.08 * of_clip.speed_m_s);
+  EXPECT_NEAR(swing.height_m.maxCoeff(), of_clip.height_m, 0.01);
+  // Within its range it costs nothing; where that is narrower, what is beyond it.
+  SwingRange range{2 * swing.speed_m_s.maxCoeff(), 2 * swing.height_m.maxCoeff(), 0.4, 0.02};
+  CheckOfStep(SwingResidual(steps_[0], ball, range));
+  Eigen::VectorXd value(2 * kSwingSpans);
+  const double* parameters[] = {w(0).data(), place_.data()};
+  SwingResidual(steps_[0], ball, range).Evaluate(parameters, value.data(), nullptr);
+  EXPECT_EQ(value.norm(), 0);
+  range.speed_m_s = 0.7 * swing.speed_m_s.maxCoeff();
+  range.height_m = swing.height_m.mean();
+  CheckOfStep(SwingResidual(steps_[0], ball, range));
+  SwingResidual(steps_[0], ball, range).Evaluate(parameters, value.data(), nullptr);
+  EXPECT_GT(value.head(kSwingSpans).maxCoeff(), 1);
+  EXPECT_GT(value.tail(kSwingSpans).maxCoeff(), 0.1);
+}
+
+// Nearly all steps that are drawn keep to the range of their primitive, and some come near its bounds.
+TEST_F(ControlResidual, SwingsKeepToTheirRange) {
+  int beyond = 0, steps = 0;
+  double most = 0;
+  KinematicsCache kinematics(*graph_);
+  for (std::uint64_t seed = 0; seed < 30; ++seed) {
+    std::mt19937_64 rng(seed);
+    const DrawnWalk drawn = DrawWalk(*graph_, {.style = 0, .steps = 8}, rng);
+    for (const DrawnStep& step : drawn.steps) {
+      const int side = LandingFoot(graph_->primitive(step.step.primitive));
+      if (side < 0) continue;
+      const auto ball = Chain(side == 0 ? JointRole::kLeftToe : JointRole::kRightToe);
+      const SwingRange& range = kinematics.SwingsOf(step.step, *ball);
+      const double part = SwingOf(*kinematics.Of(step.step), *ball, step.step.whitened).speed_m_s.maxCoeff() / range.speed_m_s;
+      most = std::max(most, part);
+      ++steps;
+      if (part > 1) ++beyond;
+    }
+  }
+  EXPECT_LT(beyond, 0.05 * steps);
+  EXPECT_GT(most, 0.9);
+}
 
 TEST_F(ControlResidual, KeepOut) {
   const Eigen::Vector2d here = place_.head<2>();

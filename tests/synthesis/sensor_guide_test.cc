@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/virtual_sensors.h"
+#include "synthesis/control/control_problem.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/sensors/motion_source.h"
 #include "synthesis/sensors/reconstruction.h"
@@ -119,6 +120,83 @@ TEST_F(SteeredByReadings, MayHaveAnotherFrameRate) {
   const SynthesisResult made = Make(request);
   EXPECT_EQ(made.clip.frame_rate_hz(), 50);
   EXPECT_LT(CompareClips(made.clip, *walk_).position_rms_cm, 4);
+}
+
+// Between the frames of a slow film accelerations are not to be had; what its frames say is held against what the readings say of such times.
+TEST_F(SteeredByReadings, IsMeasuredAtTheRateOfSlowClips) {
+  const auto residual = [](double frame_rate_hz) {
+    SynthesisRequest request = Request();
+    request.frame_rate_hz = frame_rate_hz;
+    return Make(request).report.constraints.back().residual;
+  };
+  const double usual = residual(30);
+  for (const double slow_hz : {15, 10}) EXPECT_LT(residual(slow_hz), 1.1 * usual) << slow_hz;
+}
+
+// On the graph the first step that is found may take less time than there is before the readings.
+TEST_F(SteeredByReadings, BeginsInsideItsFirstStep) {
+  SynthesisRequest request = Request();
+  PrepareSensors(*graph_, &request, [](const std::vector<Placement>&) { return steps_; });
+  const auto guide = std::make_shared<SensorGuide>(*request.control.sensors->guide);
+  DrawnStep& first = guide->walk.steps.front();
+  const double duration_s = graph_->primitive(first.step.primitive).Shape(first.step.latent).duration_s;
+  request.control.sensors->guide = guide;
+  for (const double end : {2.0, 10.0, 100.0}) {
+    first.end = end;
+    first.start = end - 2 * kSensorRate_hz * duration_s;
+    const double begins_s = MakeControlProblem(*graph_, request, guide->walk.style, 30).guide.given_from_s;
+    EXPECT_LE(begins_s, 0);
+    EXPECT_GT(begins_s + duration_s, 0);
+    EXPECT_GE(begins_s + duration_s, std::min(duration_s, end / kSensorRate_hz) - 1e-9);
+  }
+}
+
+TEST_F(SteeredByReadings, RefusesModelsWithoutSteps) {
+  const SensorStepsSource source = [](const std::vector<Placement>& sensors) {
+    return std::make_shared<const SensorSteps>(std::vector<MotionClip>{*walk_}, std::vector<RecordedStep>{}, graph_->layout(), sensors);
+  };
+  try {
+    MakeSensorGuide(*graph_, Request(), source);
+    ADD_FAILURE() << "accepted";
+  } catch (const UnsatisfiableRequest& unmet) {
+    EXPECT_EQ(unmet.unmet().front().pointer, "/model");
+  }
+}
+
+// Two actions with styles of the same names, that are called the other way round: what is fast in one is slow in the other.
+TEST_F(SteeredByReadings, ChoosesAmongTheStylesOfTheAction) {
+  std::vector<TrainingClip> clips;
+  for (auto& [name, clip] : testing::SmallWalks()) {
+    if (name.back() > '2') continue;
+    clips.push_back({clip, false});
+    TrainingClip run{clip, false, -1, "run"};
+    run.clip.name = "run_" + name;
+    run.clip.style = clip.style == "brisk" ? "slow" : "brisk";
+    clips.push_back(std::move(run));
+  }
+  TrainingOptions options;
+  options.keep_recordings = true;
+  const auto both = BuildGraph(clips, options);
+  const MotionSource recorded = SourceOf(*both);
+  const auto steps = std::make_shared<const SensorSteps>(recorded.clips, recorded.steps, both->layout(), Sensors());
+  for (const double speed_m_s : {0.9, 1.5}) {
+    SyntheticGaitOptions gait;
+    gait.seed = 4712;
+    gait.frame_rate_hz = 60;
+    gait.steps = 9;
+    gait.speed_m_s = speed_m_s;
+    gait.start_standing = gait.stop_standing = false;
+    const MotionClip walk = GenerateGait(gait);
+    for (const std::string action : {"walk", "run"}) {
+      SynthesisRequest request;
+      request.control.sensors = SensorTerm{VirtualAccelerations(walk, Sensors(), 60), Sensors()};
+      request.action = action;
+      const auto guide = MakeSensorGuide(*both, request, [&](const std::vector<Placement>&) { return steps; });
+      const GraphStyle& style = both->styles()[static_cast<std::size_t>(guide->walk.style)];
+      EXPECT_EQ(both->action_of(style), action);
+      EXPECT_EQ(style.name, (speed_m_s > 1.2) == (action == "walk") ? "brisk" : "slow") << action << ' ' << speed_m_s;
+    }
+  }
 }
 
 TEST_F(SteeredByReadings, GivesTheSameClipAgain) {

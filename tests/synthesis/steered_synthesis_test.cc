@@ -10,6 +10,7 @@
 #include "graph/model_io.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/floor_path.h"
+#include "synthesis/control/swing_range.h"
 #include "synthesis/control/walk_optimizer.h"
 #include "synthesis/motion_synthesizer.h"
 
@@ -162,6 +163,22 @@ TEST(SteeredSynthesis, WalksAroundCornersAsFastAsElsewhere) {
   EXPECT_LT(steered / free, 1.1);
 }
 
+// Bends tighter than recorded ones (radii under a metre) are not made by one swing that no walker makes.
+TEST(SteeredSynthesis, SwingsItsFeetInBendsAsElsewhere) {
+  const auto fastest = [](const MotionClip& clip) {
+    return std::max(SwingInClip(clip, Foot::kLeft, 0, clip.frame_count() - 1).speed_m_s, SwingInClip(clip, Foot::kRight, 0, clip.frame_count() - 1).speed_m_s);
+  };
+  double free = 0;
+  for (std::uint64_t seed = 0; seed < 10; ++seed) free = std::max(free, fastest(Synthesize(Model(), Request(seed)).clip));
+  for (const std::uint64_t seed : {2, 4, 6, 20}) {
+    SynthesisRequest request = Request(seed);
+    request.control.path = PathTerm{.points_m = {{0, 0}, {0, 2}, {1.2, 3.4}, {0.5, 5}, {-1, 5.5}}, .smooth = true};
+    const SynthesisResult result = Synthesize(Model(), request);
+    ExpectAllMet(result, 2);
+    EXPECT_LT(fastest(result.clip), 1.05 * free) << "seed " << seed;
+  }
+}
+
 TEST(SteeredSynthesis, KeepsOutOfAreas) {
   SynthesisRequest request = Request(3);
   KeepOutTerm area;
@@ -235,13 +252,35 @@ TEST(SteeredSynthesis, StopsOnceItsBudgetIsSpent) {
   const ControlProblem problem = MakeControlProblem(Model(), request, 0, 30);
   KinematicsCache kinematics(Model());
   std::mt19937_64 rng(1);
-  const WalkPlan plan = PlanWalk(Model(), problem.guide, 1, &kinematics, rng);
-  SteerBudget ample(1e6), scanty(1);
+  SteerBudget searching(1e6), ample(1e6), scanty(1);
+  const WalkPlan plan = PlanWalk(Model(), problem.guide, 1, &kinematics, &searching, rng);
   EXPECT_FALSE(OptimizeWalk(problem, plan, &kinematics, &ample).all_met());
   const SteeredWalk one_round = OptimizeWalk(problem, plan, &kinematics, &scanty);
   EXPECT_GT(one_round.clip.frame_count(), 0);
   EXPECT_TRUE(scanty.spent());
   EXPECT_LT(-scanty.left(), 0.7 * (1e6 - ample.left())) << "less work than all rounds";
+}
+
+// What the search is held against counts, and it stops once it may take no more.
+TEST(SteeredSynthesis, SearchingTakesFromTheBudget) {
+  SynthesisRequest request = Request(1);
+  request.duration_s = 4;
+  WalkGuide guide = MakeControlProblem(Model(), request, 0, 30).guide;
+  const auto taken = [&] {
+    KinematicsCache kinematics(Model());
+    std::mt19937_64 rng(1);
+    SteerBudget budget(1e6);
+    PlanWalk(Model(), guide, 1, &kinematics, &budget, rng);
+    return 1e6 - budget.left();
+  };
+  const double of_nothing = taken();
+  EXPECT_GT(of_nothing, 100);
+  for (int i = 0; i < 20'000; ++i) guide.places.push_back({3.9 * i / 20'000, {0, 0}, 100});
+  EXPECT_GT(taken(), 5 * of_nothing);
+  KinematicsCache kinematics(Model());
+  std::mt19937_64 rng(1);
+  SteerBudget scanty(0.1 * of_nothing);
+  EXPECT_THROW(PlanWalk(Model(), guide, 1, &kinematics, &scanty, rng), UnsatisfiableRequest);
 }
 
 TEST(SteeredSynthesis, TurnsAndLooksWhenAsked) {
@@ -316,7 +355,6 @@ TEST(SteeredSynthesis, StandsOnTheWayItIsToGo) {
   EXPECT_NEAR(HeadingRad(result.clip, 0), M_PI / 2, 1e-6);
 }
 
-// Two headings at one moment, both within their tolerance: what lies between them is the weights'.
 TEST(SteeredSynthesis, TooMuchAtATimeIsRefusedSoon) {
   // A long way between walls of many corners, all within reach of every step.
   SynthesisRequest request = Request(1);
@@ -328,6 +366,7 @@ TEST(SteeredSynthesis, TooMuchAtATimeIsRefusedSoon) {
   EXPECT_EQ(Refused(request), std::vector<std::string>{"/constraints"});
 }
 
+// Two headings at one moment, both within their tolerance: what lies between them is the weights'.
 TEST(SteeredSynthesis, TermsCountByTheirWeights) {
   const auto heading = [](double left, double right) {
     SynthesisRequest request = Request(4);

@@ -6,8 +6,10 @@
 #include <atomic>
 #include <cmath>
 
+#include "datasets/virtual_sensors.h"
 #include "synthesis/joint_spread.h"
 #include "synthesis/motion_synthesizer.h"
+#include "synthesis/sensors/motion_source.h"
 #include "tests/support/small_model.h"
 #include "tests/synthesis/gait_clips.h"
 
@@ -40,6 +42,28 @@ void ExpectSame(const VariantSet& a, const VariantSet& b) {
   EXPECT_EQ(a.summary.swept_area.area_m2, b.summary.swept_area.area_m2);
   ASSERT_EQ(a.summary.swept_area.regions.size(), b.summary.swept_area.regions.size());
   EXPECT_EQ(a.summary.swept_area.regions[0].outline_m, b.summary.swept_area.regions[0].outline_m);
+}
+
+// Readings are made ready once, and while others let it work.
+TEST(VariantSet, MakesReadingsReadyInItsTurn) {
+  const auto model = testing::SmallModelWithRecordings();
+  const std::vector<Placement> sensors = PlacementsAtJoints({"left_ankle", "right_ankle"});
+  SynthesisRequest request = SixSteps(1);
+  request.control.sensors = SensorTerm{VirtualAccelerations(Synthesize(*model, request).clip, sensors, 30), sensors};
+  request.steps.reset();
+  VariantOptions options = Of(3, 1);
+  int turns = 0, made = 0;
+  options.begin = [&](int) { return ++turns > 0; };
+  options.end = [&](int) { --turns; };
+  options.sensor_steps = [&](const std::vector<Placement>& placements) {
+    ++made;
+    EXPECT_EQ(turns, 1);
+    const MotionSource source = SourceOf(*model);
+    return std::make_shared<const SensorSteps>(source.clips, source.steps, model->layout(), placements);
+  };
+  EXPECT_EQ(MakeVariants(*model, request, options).variants.size(), 3u);
+  EXPECT_EQ(made, 1);
+  EXPECT_EQ(turns, 0);
 }
 
 TEST(VariantSet, HoldsTheClipOfEachSeedRankedByLikelihood) {

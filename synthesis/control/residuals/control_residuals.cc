@@ -120,8 +120,17 @@ StepResidual::StepResidual(std::shared_ptr<const StepKinematics> step, int resid
   *mutable_parameter_block_sizes() = {step_->dimension(), 4};
 }
 
+const StepResidual::Linear& StepResidual::At(const Eigen::VectorXd& w, const KeyframePlace& place) const {
+  if (latest_w_.size() == 0 || w != latest_w_ || place != latest_place_) {
+    latest_ = Linearise(w, place);
+    latest_w_ = w;
+    latest_place_ = place;
+  }
+  return latest_;
+}
+
 bool StepResidual::Evaluate(double const* const* parameters, double* residuals, double** jacobians) const {
-  const Linear linear = Linearise(Vector(parameters[0], step_->dimension()), KeyframePlace(parameters[1]));
+  const Linear& linear = At(Vector(parameters[0], step_->dimension()), KeyframePlace(parameters[1]));
   Eigen::Map<Eigen::VectorXd>(residuals, num_residuals()) = linear.value;
   if (!jacobians) return true;
   Write(linear.by_latent, jacobians[0]);

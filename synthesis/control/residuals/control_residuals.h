@@ -83,12 +83,13 @@ class ArrivalResidual : public ceres::CostFunction {
   double time_s_, deviation_s_;
 };
 
-/// A residual of one step: parameters are its latent and its place.
+/// A residual of one step: parameters are its latent and its place. Value and derivatives come together; those of the latest place are kept, since solvers
+/// ask for the value first and, where they stay there, for the derivatives then. For one thread.
 class StepResidual : public ceres::CostFunction {
  public:
   bool Evaluate(double const* const* parameters, double* residuals, double** jacobians) const final;
   /// The derivative by the latent, (residuals x D).
-  Eigen::MatrixXd ByLatent(const Eigen::VectorXd& w, const KeyframePlace& place) const { return Linearise(w, place).by_latent; }
+  const Eigen::MatrixXd& ByLatent(const Eigen::VectorXd& w, const KeyframePlace& place) const { return At(w, place).by_latent; }
 
  protected:
   struct Linear {
@@ -101,7 +102,12 @@ class StepResidual : public ceres::CostFunction {
   const StepKinematics& step() const { return *step_; }
 
  private:
+  const Linear& At(const Eigen::VectorXd& w, const KeyframePlace& place) const;
+
   std::shared_ptr<const StepKinematics> step_;
+  mutable Eigen::VectorXd latest_w_;  // nothing before there was one
+  mutable KeyframePlace latest_place_ = KeyframePlace::Zero();
+  mutable Linear latest_;
 };
 
 /// Distance of the root from a path, to its left, at a moment of a step.
