@@ -60,6 +60,8 @@ class Maker {
 
   void ResolveJoints() {
     const RoleMap& roles = skeleton_.roles();
+    problem_.hip[0] = Resolve(roles[JointRole::kLeftHip]);
+    problem_.hip[1] = Resolve(roles[JointRole::kRightHip]);
     problem_.ball[0] = Resolve(roles[JointRole::kLeftToe]);
     problem_.ball[1] = Resolve(roles[JointRole::kRightToe]);
     problem_.heel[0] = Resolve(roles[JointRole::kLeftAnkle]);

@@ -30,7 +30,7 @@ struct ControlProblem {
   Eigen::Vector3d head_forward = Eigen::Vector3d::UnitZ();  // in the head's frame
   std::shared_ptr<const SensorGuide> sensors = {};  // where readings were given
   std::vector<ChainedSensor> chained_sensors = {};  // of sensors->placements
-  ResolvedJoint head = {}, ball[2] = {}, heel[2] = {};  // ball and ankle of the left and the right foot
+  ResolvedJoint head = {}, hip[2] = {}, ball[2] = {}, heel[2] = {};  // hip, ball and ankle of the left and the right foot
   Eigen::Vector3d toes_m[2] = {Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};  // from the ball of a foot to the tip of its toes, in the ball's frame
 
   const Eigen::Quaterniond& mean_root() const {

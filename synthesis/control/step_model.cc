@@ -59,6 +59,11 @@ StepModel::Map StepModel::Pose(double phase) const {
   return Sum(*full_, Spline().Weights(PositionOf(phase)));
 }
 
+const StepModel::Map& StepModel::KeptPose(double phase) const {
+  const auto known = kept_.find(phase);
+  return known != kept_.end() ? known->second : kept_.emplace(phase, Pose(phase)).first->second;
+}
+
 StepModel::Map StepModel::PoseRate(double phase) const {
   if (!full_) full_ = Rows(0, channels_ * kPhaseSamples);
   return Sum(*full_, Spline().DerivativeWeights(PositionOf(phase)) / kPhaseSpacing);

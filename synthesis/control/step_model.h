@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <map>
 #include <optional>
 
 #include "primitives/motion_primitive.h"
@@ -30,6 +31,8 @@ class StepModel {
   /// The same for all channels of a pose.
   Map Pose(double phase) const;
   Map PoseRate(double phase) const;
+  /// As Pose(), of a phase that will be asked for again: it is kept, for as long as the model lives.
+  const Map& KeptPose(double phase) const;
 
  private:
   Map Rows(Eigen::Index first, Eigen::Index count) const;
@@ -40,6 +43,7 @@ class StepModel {
   Map timing_;
   Map root_;                         // (6 * samples)
   mutable std::optional<Map> full_;  // (channels * samples)
+  mutable std::map<double, Map> kept_;
 };
 
 }  // namespace morphograph

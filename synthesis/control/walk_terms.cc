@@ -8,10 +8,13 @@
 #include <limits>
 
 #include "datasets/forward_kinematics.h"
+#include "datasets/leg_ik.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/foot_landings.h"
+#include "synthesis/control/residuals/reach_residual.h"
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/residuals/swing_residual.h"
+#include "synthesis/foot_lock.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
 
@@ -27,6 +30,10 @@ constexpr bool kAllAxes[3] = {true, true, true};
 constexpr double kMostWork = 250'000;  // units of SteerBudget that one look at all terms may take, some seconds
 constexpr double kSensor = 4;            // more of these, for each sensor on a pose
 constexpr double kWholePose = 12;        // units of SteerBudget: a term that needs a joint of a whole pose
+constexpr double kLegWork = 0.5;         // the same: a leg at a phase
+constexpr int kReachSamples = 3;         // of a step's phases, so many apart, legs are looked at
+constexpr double kReachMissing_m = 0.003;  // deviation of what a leg does not reach; captured feet stand within some 4 mm
+constexpr double kReachHold = 0.5;       // sum over heel and ball, from which a foot counts as planted there
 constexpr double kRootMargin_m = 0.02;
 constexpr double kFootMargin_m = 0.08;   // between areas kept out of and the joints of the feet: heels and toes stand out
 constexpr double kAreaReach_m = 1.2;     // of steps from the areas that concern them
@@ -41,6 +48,7 @@ void WalkTerms::AddAll() {
   AddConstraints();
   AddSensors();
   AddSwings();
+  AddReach();
 }
 
 // A term of one step. What it says of the step's latent is one of the directions in which that one may move.
@@ -136,6 +144,34 @@ void WalkTerms::AddSwings() {
     if (!walk_.swings[k]) continue;
     const ResolvedJoint& ball = problem_.ball[LandingFoot(problem_.graph.primitive(walk_.steps[k].primitive))];
     Add(new SwingResidual(walk_.kinematics[k], ball.chain, *walk_.swings[k]), k, (kSwingSpans + 1) * kWholePose);
+  }
+}
+
+// Planted feet, where the foot lock would not get them down: as it is told to do, from the learned contacts of each step.
+void WalkTerms::AddReach() {
+  weight_ = 1;
+  const FootLockOptions lock;
+  const FeetGeometry& feet = problem_.graph.styles()[static_cast<size_t>(problem_.style)].feet;
+  const double leg_m[2] = {LegIk(problem_.graph.skeleton(), Foot::kLeft).length_m(), LegIk(problem_.graph.skeleton(), Foot::kRight).length_m()};
+  for (size_t k = 0; k < walk_.steps.size(); ++k) {
+    const ContactProfile& contacts = problem_.graph.primitive(walk_.steps[k].primitive).contacts;
+    std::vector<PlantedMoment> moments;
+    for (int sample = 0; sample < kPhaseSamples && PhaseOfSample(sample) < 1; ++sample) {
+      if (PhaseOfSample(sample) < 0 || sample % kReachSamples != 1) continue;
+      for (int side = 0; side < 2; ++side) {
+        PlantedMoment moment{problem_.hip[side].chain, problem_.heel[side].chain, problem_.ball[side].chain, feet.heel_offset_m[side], leg_m[side], PhaseOfSample(sample)};
+        for (int part = 0; part < 2; ++part) {
+          const int row = 2 * side + part;
+          const double sure = std::clamp((contacts(kPlantedChance + row, sample) - lock.loose_chance) / (1 - lock.loose_chance), 0.0, 1.0);
+          const double standing = part == 0 ? feet.heel_height_m[side] : feet.ball_height_m[side];
+          moment.hold[part] = sure * sure * (3 - 2 * sure);
+          moment.height_m[part] = standing + lock.rolling * (contacts(kPlantedHeight + row, sample) - standing);
+        }
+        if (moment.hold[0] + moment.hold[1] > kReachHold) moments.push_back(std::move(moment));
+      }
+    }
+    const double work = kLegWork * static_cast<double>(moments.size());
+    if (!moments.empty()) Add(new ReachResidual(walk_.kinematics[k], std::move(moments), kReachMissing_m), k, work);
   }
 }
 

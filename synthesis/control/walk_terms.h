@@ -50,6 +50,7 @@ class WalkTerms {
   void AddSensors();
   void AddConstraints();
   void AddSwings();
+  void AddReach();
   void AddPoint(const Moment& at, const ResolvedJoint& joint, const Eigen::Vector3d& target, const bool* use, double tolerance_m);
   void AddTerm(const PositionTerm& term, const std::vector<ResolvedJoint>& joints);
   void AddTerm(const OrientationTerm& term, const std::vector<ResolvedJoint>& joints);

@@ -8,9 +8,11 @@
 #include <limits>
 #include <random>
 
+#include "datasets/leg_ik.h"
 #include "datasets/virtual_sensors.h"
 #include "synthesis/control/foot_landings.h"
 #include "synthesis/control/kinematics_cache.h"
+#include "synthesis/control/residuals/reach_residual.h"
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/residuals/swing_residual.h"
 #include "synthesis/walk_clip.h"
@@ -178,6 +180,41 @@ TEST_F(ControlResidual, Swing) {
   SwingResidual(steps_[0], ball, range).Evaluate(parameters, value.data(), nullptr);
   EXPECT_GT(value.head(kSwingSpans).maxCoeff(), 1);
   EXPECT_GT(value.tail(kSwingSpans).maxCoeff(), 0.1);
+}
+
+TEST_F(ControlResidual, Reach) {
+  const bool left = LandingFoot(graph_->primitive(walk_.steps[0].step.primitive)) != 0;  // the foot that stands
+  const FeetGeometry& feet = graph_->styles()[0].feet;
+  PlantedMoment moment{Chain(left ? JointRole::kLeftHip : JointRole::kRightHip), Chain(left ? JointRole::kLeftAnkle : JointRole::kRightAnkle), Chain(left ? JointRole::kLeftToe : JointRole::kRightToe),
+                       feet.heel_offset_m[left ? 0 : 1], LegIk(graph_->skeleton(), left ? Foot::kLeft : Foot::kRight).length_m(), 0.4};
+  const std::vector<PointState> joints = steps_[0]->Joints({moment.hip.get(), moment.ankle.get(), moment.ball.get()}, {false, 0.4}, w(0), place_);
+  const double heel = (joints[1].position_m + joints[1].rotation * moment.heel_offset_m).y(), ball = joints[2].position_m.y();
+  const auto missing = [&] {
+    double values[2] = {0, 0};
+    const double* parameters[] = {w(0).data(), place_.data()};
+    PlantedMoment other = moment;
+    other.phase = 0.7;
+    ReachResidual(steps_[0], {moment, other}, 0.001).Evaluate(parameters, values, nullptr);
+    return values[0] * 0.001;
+  };
+  // A foot that is low enough, or that is not held, lacks nothing.
+  moment.hold[0] = moment.hold[1] = 1;
+  moment.height_m[0] = heel + 0.01;
+  moment.height_m[1] = ball + 0.01;
+  EXPECT_EQ(missing(), 0);
+  CheckOfStep(ReachResidual(steps_[0], {moment}, 0.001));
+  moment.height_m[0] = heel - 0.2;
+  moment.height_m[1] = ball - 0.15;
+  moment.hold[0] = moment.hold[1] = 0;
+  EXPECT_EQ(missing(), 0);
+  // One that is to come down farther than the leg can be stretched lacks the rest: as far as it is from the hip in the world.
+  moment.hold[0] = 0.8;
+  moment.hold[1] = 0.5;
+  const double drop = 3 * (0.8 * 0.2 + 0.5 * 0.15) / (1 + 3 * 1.3);
+  const Eigen::Vector3d leg = joints[1].position_m - joints[0].position_m;
+  EXPECT_NEAR(missing(), (leg - Eigen::Vector3d(0, drop, 0)).norm() - leg.norm() - 0.3 * (moment.leg_length_m - leg.norm()), 1e-9);
+  EXPECT_GT(missing(), 0.01);
+  CheckOfStep(ReachResidual(steps_[0], {moment}, 0.001));
 }
 
 // Nearly all steps that are drawn keep to the range of their primitive, and some come near its bounds.

@@ -163,6 +163,21 @@ TEST(SteeredSynthesis, WalksAroundCornersAsFastAsElsewhere) {
   EXPECT_LT(steered / free, 1.1);
 }
 
+// Legs that a bend stretches would leave planted feet hanging.
+TEST(SteeredSynthesis, StandsInBendsAsElsewhere) {
+  double steered = 0, free = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+    SynthesisRequest request = Request(seed);
+    request.control.path = PathTerm{.points_m = {{0, 0}, {0, 2}, {1.2, 3.4}, {0.5, 5}, {-1, 5.5}}, .smooth = true};
+    const SynthesisResult result = Synthesize(Model(), request);
+    steered += result.report.quality.contact_distance_m;
+    request.control.path.reset();
+    request.duration_s = result.report.duration_s;
+    free += Synthesize(Model(), request).report.quality.contact_distance_m;
+  }
+  EXPECT_LT(steered / free, 1.1);
+}
+
 // Bends tighter than recorded ones (radii under a metre) are not made by one swing that no walker makes.
 TEST(SteeredSynthesis, SwingsItsFeetInBendsAsElsewhere) {
   const auto fastest = [](const MotionClip& clip) {
