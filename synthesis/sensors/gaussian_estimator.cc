@@ -20,10 +20,11 @@ constexpr double kBlendPriorSamples = 20;   // a cluster's covariance is drawn t
 }  // namespace
 
 GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& given)
-    : options(given), channels(base), reduction(channels.Vectors(base), given.reduction) {
+    : options(given), frame_rate_hz(base.frame_rate_hz()), channels(base), reduction(channels.Vectors(base), given.reduction) {
   if (options.reduction.kind != ReductionKind::kPca) throw std::invalid_argument("GaussianModel: poses must be reduced by PCA");
-  if (options.smoothness_weight < 0 || options.control_weight < 0 || !(options.smoothness_unit > 0) || options.max_iterations < 1 || options.control_readings < 1 || options.control_stride < 1)
-    throw std::invalid_argument("GaussianModel: weights must not be negative, the smoothness unit positive; an iteration, a reading and a frame between them are needed");
+  if (options.smoothness_weight < 0 || options.control_weight < 0 || !(options.smoothness_unit > 0) || options.max_iterations < 1 || options.control_readings < 1 || options.control_stride < 1 ||
+      !(options.surprise_s >= 0))
+    throw std::invalid_argument("GaussianModel: weights and times must not be negative, the smoothness unit positive; an iteration, a reading and a frame between them are needed");
   const Eigen::MatrixXf coordinates = reduction.Coordinates(channels.Vectors(base), options.jobs);
   clusters = ClusterPoses(base, coordinates, options.clusters, options.jobs);
   const Eigen::Index components = coordinates.rows(), frames = coordinates.cols();
@@ -85,7 +86,8 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
   changes = options.smoothness_unit * (changes / static_cast<double>(std::max(count, 1LL))).cwiseSqrt().cwiseMax(1e-9);
 }
 
-GaussianPoseCost::GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected)
+GaussianPoseCost::GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected,
+                                   double surprise)
     : model_(model), shares_(shares), readings_(readings), expected_(expected) {
   // What is below the limit fades out; a share that jumped to 0 would be seen.
   shares_ = (shares_.array() - std::min(kLeastShare, 0.5f * shares_.maxCoeff())).max(0);
@@ -107,7 +109,14 @@ GaussianPoseCost::GaussianPoseCost(const GaussianModel& model, const Eigen::Vect
   covariance.diagonal().array() += 1e-9 + 1e-6 * covariance.diagonal().mean();
   const Eigen::LLT<Eigen::MatrixXd> factor(covariance);
   whitening_ = factor.matrixL().solve(Eigen::MatrixXd::Identity(components, components));
-  reading_whitening_ = std::sqrt(model.options.control_weight) * Eigen::LLT<Eigen::MatrixXd>(errors).matrixL().solve(Eigen::MatrixXd::Identity(errors.rows(), errors.cols()));
+  control_scale_ = std::sqrt(model.options.control_weight / surprise);
+  reading_whitening_ = control_scale_ * Eigen::LLT<Eigen::MatrixXd>(errors).matrixL().solve(Eigen::MatrixXd::Identity(errors.rows(), errors.cols()));
+}
+
+double GaussianPoseCost::Surprise(const Eigen::VectorXd& coordinates) const {
+  Eigen::VectorXd residuals(NumResiduals());
+  (*this)(coordinates.data(), residuals.data(), nullptr);
+  return residuals.tail(readings_.size()).squaredNorm() / (control_scale_ * control_scale_ * static_cast<double>(readings_.size()));
 }
 
 int GaussianPoseCost::NumResiduals() const { return static_cast<int>(mean_.size() + expected_.size() + readings_.size()); }
@@ -160,12 +169,15 @@ BasePose GaussianEstimator::Next(const Eigen::VectorXd& reading) {
   Eigen::VectorXf readings(values.size() * model_->options.control_readings);
   for (int n = 0; n < model_->options.control_readings; ++n)
     readings.segment(n * values.size(), values.size()) = recent_.col((count_ - 1 + frames - n * model_->options.control_stride) % frames);
-  const GaussianPoseCost cost(*model_, filter_.Next(values), readings, expected);
+  const double surprise = std::max(surprise_, 1.0);
+  const Eigen::VectorXf& shares = filter_.Next(values, std::pow(surprise, model_->options.surprise_evidence_power));
+  const GaussianPoseCost cost(*model_, shares, readings, expected, std::pow(surprise, model_->options.surprise_control_power));
   Eigen::VectorXd coordinates = expected.size() > 0 ? expected : cost.mean();
   ceres::TinySolver<GaussianPoseCost> solver;
   solver.options.max_num_iterations = model_->options.max_iterations;
   solver.options.parameter_tolerance = 1e-5;
   solver.Solve(cost, &coordinates);
+  if (model_->options.surprise_s > 0) surprise_ += (cost.Surprise(coordinates) - surprise_) / std::max(1.0, model_->options.surprise_s * model_->frame_rate_hz);
   before_ = last_;
   last_ = coordinates;
   return model_->channels.Pose(model_->reduction.Pose(coordinates));

@@ -25,6 +25,10 @@ struct GaussianOptions {
   int control_readings = 4;   // the present one and those before it that the control term compares (Eq. 6.4 has 1) …
   int control_stride = 2;     // … so many frames apart
   int max_iterations = 4;     // of Levenberg-Marquardt
+  /// Time over which it is watched how much more readings err than those of the base do (in variances); so much less they then count. 0: not at all.
+  double surprise_s = 1;
+  double surprise_control_power = 0.6;   // to which that is taken in the control term …
+  double surprise_evidence_power = 1.5;  // … and in what tells clusters
   int jobs = 1;
 };
 
@@ -34,6 +38,7 @@ struct GaussianModel {
   GaussianModel(const MotionBase& base, const GaussianOptions& options);
 
   GaussianOptions options;
+  double frame_rate_hz = 0;
   PoseChannels channels;
   PoseReduction reduction;
   PoseClusters clusters;
@@ -53,7 +58,10 @@ struct GaussianModel {
 /// Differs from Xie: the minimum is over q (6.1 prints c). The last two terms are in standard deviations of the base, so that 0.2 and 0.8 do not hang on units.
 /// c has the readings of the last frames too, as far as the window of the interpolating method reaches: one reading says little of a pose.
 /// m, C and G are of all clusters that the readings so far allow, weighed by their probability ("neighbouring clusters", 6.2), so that
-/// they change gradually. The motion carried on is damped. Coordinates are common to all clusters, so q may leave any one of them.
+/// they change gradually. A body unlike those of the base reads otherwise than G says by far more than sensors there do, and every reading would jolt the pose: how much more is watched
+/// (a running mean), and the third term and what tells clusters count less by a power of it. A noise of that size would have 1 for both; but errors go on from frame to frame, which
+/// hurts clusters more (they switch) and the pose less.
+/// The motion carried on is damped. Coordinates are common to all clusters, so q may leave any one of them.
 class GaussianEstimator : public PoseEstimator {
  public:
   explicit GaussianEstimator(std::shared_ptr<const GaussianModel> model);
@@ -65,6 +73,7 @@ class GaussianEstimator : public PoseEstimator {
   Eigen::MatrixXf recent_;  // (values x frames): readings, cyclic
   Eigen::Index count_ = 0;
   Eigen::VectorXd last_, before_;  // coordinates; empty at the start
+  double surprise_ = 1;
 };
 
 /// The terms above as residuals of coordinates, for a solver. Public for tests.
@@ -75,10 +84,13 @@ class GaussianPoseCost {
 
   /// @param shares  probability of each cluster, (clusters). @param expected  where the motion before leads; empty at the start.
   /// @param readings  as GaussianModel::readings say them: the latest first.
-  GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected);
+  /// @param surprise  variance of readings' errors, times that in the base, 1 or more.
+  GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected, double surprise = 1);
   int NumResiduals() const;
   int NumParameters() const { return static_cast<int>(mean_.size()); }
   const Eigen::VectorXd& mean() const { return mean_; }
+  /// Mean square of the readings' errors at these coordinates, in variances of the base: about 1 where a body reads as those of the base.
+  double Surprise(const Eigen::VectorXd& coordinates) const;
   /// @param jacobian  (residuals x parameters), column by column, or null.
   bool operator()(const double* coordinates, double* residuals, double* jacobian) const;
 
@@ -88,6 +100,7 @@ class GaussianPoseCost {
   Eigen::VectorXd expected_, mean_;
   Eigen::MatrixXd whitening_;          // L^-1 of the poses' covariance L L^T
   Eigen::MatrixXd reading_whitening_;  // of the readings' errors
+  double control_scale_ = 1;           // that it is multiplied with
 };
 
 }  // namespace morphograph

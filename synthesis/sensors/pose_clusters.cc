@@ -118,7 +118,7 @@ ClusterFilter::ClusterFilter(const PoseClusters& clusters, ClusterChoice choice,
   probabilities_.setConstant(clusters.count(), 1.f / static_cast<float>(clusters.count()));
 }
 
-const Eigen::VectorXf& ClusterFilter::Next(const Eigen::VectorXf& reading) {
+const Eigen::VectorXf& ClusterFilter::Next(const Eigen::VectorXf& reading, double surprise) {
   const int count = clusters_.count();
   if (choice_ == ClusterChoice::kNearestMean) {
     Eigen::Index nearest = 0;
@@ -134,7 +134,7 @@ const Eigen::VectorXf& ClusterFilter::Next(const Eigen::VectorXf& reading) {
   }
   const float most = logs.maxCoeff();
   const Eigen::VectorXf expected = (1 - kLost) * (clusters_.transitions * probabilities_).array() + kLost / static_cast<float>(count);
-  probabilities_ = expected.array() * (evidence_ * (logs.array() - most)).exp();
+  probabilities_ = expected.array() * (evidence_ / static_cast<float>(surprise) * (logs.array() - most)).exp();
   probabilities_ /= probabilities_.sum();
   return probabilities_;
 }

@@ -51,7 +51,8 @@ class ClusterFilter {
   /// @param evidence  power to which likelihoods of readings are taken. Readings of neighbouring frames err alike, so it is far below 1.
   ClusterFilter(const PoseClusters& clusters, ClusterChoice choice, double evidence);
   /// Probability of each cluster, (clusters), at the present frame.
-  const Eigen::VectorXf& Next(const Eigen::VectorXf& reading);
+  /// @param surprise  variance of readings' errors of late, times that in the base, 1 or more: evidence is worth so many times less.
+  const Eigen::VectorXf& Next(const Eigen::VectorXf& reading, double surprise = 1);
 
  private:
   const PoseClusters& clusters_;

@@ -14,8 +14,8 @@
 namespace morphograph {
 namespace {
 
-// Gravity is as long for every sensor at every time: medians over windows differ by less than this, runs included.
-constexpr double kAlike = 2.2;
+// Gravity is as long for every sensor at every time: medians over windows differ by less than this, runs included, and walks out of a stand, in whose first window feet lie still.
+constexpr double kAlike = 3.5;
 constexpr double kLeastGravity_m_s2 = 6, kMostGravity_m_s2 = 22;  // medians over windows, of sensors that are shaken too
 constexpr Eigen::Index kWindows = 8;
 constexpr double kTallest_m = 2.6, kDeepest_m = -0.5;

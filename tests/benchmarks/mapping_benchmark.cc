@@ -1,14 +1,17 @@
 // Poses from a few accelerometers by maps learned from recordings (Xie 2009): errors beside the nearest neighbour's, and times.
 //
-//   mapping_benchmark --data RECORDINGS [--tune] [--known-only] [--rows rbf,gaussian,lle] [options of the methods]
+//   mapping_benchmark --data RECORDINGS [--tune] [--splits known,unseen,cmu] [--rows rbf,gaussian,rbf-lle] [options of the methods]
+//   mapping_benchmark --data RECORDINGS --fair                     LLE and PCA in rbf, each with the settings that are best on clips left out of the training set
 //
 // RECORDINGS holds bnr/ and cmu/. Which clips are tested: recordings.h. Readings are those of a test clip's own body; errors are of the joints
 // in the pelvis frame, per frame.
 #include <CLI/CLI.hpp>
+#include <algorithm>
 #include <chrono>
 #include <cstdio>
 #include <ctime>
 #include <functional>
+#include <limits>
 
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/gaussian_estimator.h"
@@ -87,6 +90,71 @@ struct Method {
   std::function<std::function<std::unique_ptr<PoseEstimator>()>(const MotionBase&)> learn;
 };
 
+using MakeMethod = std::function<Method(const std::string&, const RbfOptions&)>;
+
+// Settings that one reduction is tried with, about as many for each.
+std::vector<std::pair<std::string, RbfOptions>> Settings(const RbfOptions& defaults, ReductionKind kind) {
+  std::vector<std::pair<std::string, RbfOptions>> settings;
+  const auto add = [&](int neighbours, double regularisation, double ridge, double width) {
+    RbfOptions options = defaults;
+    options.reduction.kind = kind;
+    options.reduction.components = 7;
+    options.reduction.neighbours = neighbours;
+    options.reduction.regularisation = regularisation;
+    options.map.ridge = ridge;
+    options.map.width = width;
+    char name[80];
+    if (kind == ReductionKind::kLle) std::snprintf(name, sizeof name, "LLE, %d neighbours, %g", neighbours, regularisation);
+    else std::snprintf(name, sizeof name, "PCA, ridge %g, width %g", ridge, width);
+    settings.emplace_back(name, options);
+  };
+  if (kind == ReductionKind::kLle) {
+    for (const int neighbours : {8, 12, 20, 40}) {
+      for (const double regularisation : {1e-4, 1e-3, 1e-2, 1e-1}) add(neighbours, regularisation, defaults.map.ridge, defaults.map.width);
+    }
+  } else {
+    for (const double ridge : {1e-5, 1e-4, 1e-3, 1e-2}) {
+      for (const double width : {1.0, 2.0, 4.0}) add(defaults.reduction.neighbours, defaults.reduction.regularisation, ridge, width);
+    }
+  }
+  return settings;
+}
+
+// Tunes both reductions on every 15th clip of the training set, left out of it, and tries the best of each on the test clips.
+void CompareFairly(const Split& split, const RbfOptions& defaults, const MakeMethod& method, const MotionBaseOptions& base_options) {
+  constexpr std::size_t kStep = 15;
+  Split inner{"tuning", {}, {}};
+  for (std::size_t i = 0; i < split.base.size(); ++i) {
+    if (i % kStep == kStep / 2) inner.unseen.push_back({split.base[i], split.base[i], {}});
+    else inner.base.push_back(split.base[i]);
+  }
+  const MotionBase inner_base(inner.base, PlacementsAtJoints(kXieJoints), base_options), base(split.base, PlacementsAtJoints(kXieJoints), base_options);
+  Row nearest;
+  Add(base, split, [&] { return std::make_unique<NearestNeighbour>(base); }, &nearest);
+  std::printf("error, cm, on %zu clips left out of the training set\n", inner.unseen.size());
+  for (const ReductionKind kind : {ReductionKind::kPca, ReductionKind::kLle}) {
+    std::string best_name;
+    RbfOptions best;
+    double least = std::numeric_limits<double>::infinity();
+    for (const auto& [name, options] : Settings(defaults, kind)) {
+      Row row;
+      Add(inner_base, inner, method(name, options).learn(inner_base), &row);
+      const double error = row.rms / static_cast<double>(row.frames);
+      std::printf("  %-30s %6.2f, jerk %.2f\n", name.c_str(), error, row.jerk / static_cast<double>(row.frames));
+      std::fflush(stdout);
+      if (error < least) {
+        least = error;
+        best = options;
+        best_name = name;
+      }
+    }
+    Row row;
+    Add(base, split, method(best_name, best).learn(base), &row);
+    std::printf("the best on the test clips: RMS cm, p95, part of the nearest neighbour's, cm/s, jerk x, Eq. 7.1, deg, us/frame\n");
+    Print(best_name, row, nearest);
+  }
+}
+
 void Run(const std::string& title, const std::vector<Split>& splits, const std::vector<Method>& methods, const MotionBaseOptions& options) {
   std::vector<Row> rows(methods.size());
   Row nearest;
@@ -111,14 +179,16 @@ void Run(const std::string& title, const std::vector<Split>& splits, const std::
 
 int main(int argc, char** argv) {
   std::filesystem::path data;
-  bool tune = false, known_only = false, no_mirror = false;
+  bool tune = false, fair = false, no_mirror = false;
+  std::vector<std::string> splits = {"known", "unseen", "cmu"};
   std::vector<std::string> wanted = {"rbf", "rbf-raw"};
   RbfOptions rbf;
   GaussianOptions gaussian;
   CLI::App app("Poses from accelerometers by learned maps");
   app.add_option("--data", data, "folder with bnr and cmu")->required();
   app.add_flag("--tune", tune, "the clips to tune on, not those to test on");
-  app.add_flag("--known-only", known_only, "only the split of known styles");
+  app.add_option("--splits", splits, "known, unseen, cmu: which of them")->delimiter(',');
+  app.add_flag("--fair", fair, "locally linear embedding and principal components, seven coordinates, both tuned on clips of the training set, then tried on known styles");
   app.add_flag("--no-mirror", no_mirror, "no mirrored copies in the base");
   app.add_option("--rows", wanted, "methods")->delimiter(',');
   app.add_option("--components", rbf.reduction.components, "of a pose");
@@ -137,6 +207,11 @@ int main(int argc, char** argv) {
   app.add_option("--g-damping", gaussian.damping, "of the motion carried on");
   app.add_option("--g-smoothness", gaussian.smoothness_weight, "weight");
   app.add_option("--g-control", gaussian.control_weight, "weight");
+  app.add_option("--g-iterations", gaussian.max_iterations, "at most");
+  app.add_option("--g-surprise", gaussian.surprise_s, "seconds over which readings' errors are watched");
+  app.add_option("--g-control-power", gaussian.surprise_control_power, "of what is then found");
+  app.add_option("--g-evidence-power", gaussian.surprise_evidence_power, "the same, for clusters");
+  app.add_option("--g-unit", gaussian.smoothness_unit, "of smoothness");
   app.add_option("--g-ridge", gaussian.map.ridge, "of a map, gaussian");
   app.add_option("--fit-frames", rbf.clusters.fit_frames, "frames of clusters");
   CLI11_PARSE(app, argc, argv);
@@ -170,9 +245,15 @@ int main(int argc, char** argv) {
   base.mirrored = !no_mirror;
   base.jobs = 2;
   const auto bnr = LoadRecordings(data / "bnr/dataset-2", {"walk", "walk-turn-left", "walk-turn-right"}, base.frame_rate_hz, false);
-  Run("bnr, known style", {KnownStyle(bnr, purpose)}, methods, base);
-  if (known_only) return 0;
-  Run("bnr, unseen style", UnseenGroups(bnr, 20, purpose), methods, base);
+  const auto wants = [&](const char* split) { return std::find(splits.begin(), splits.end(), split) != splits.end(); };
+  if (fair) {
+    base.mirrored = false;
+    CompareFairly(KnownStyle(bnr, Purpose::kTest), rbf, rbf_method, base);
+    return 0;
+  }
+  if (wants("known")) Run("bnr, known style", {KnownStyle(bnr, purpose)}, methods, base);
+  if (wants("unseen")) Run("bnr, unseen style", UnseenGroups(bnr, 20, purpose), methods, base);
+  if (!wants("cmu")) return 0;
   const auto cmu = LoadRecordings(data / "cmu", {"07", "08"}, base.frame_rate_hz, true);
   Run("cmu, unseen subject", UnseenGroups(cmu, 2, purpose), methods, base);
 }

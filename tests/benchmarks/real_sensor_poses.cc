@@ -1,196 +1,28 @@
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 
 #include "datasets/augmentation.h"
-#include "datasets/contact_detector.h"
 #include "datasets/dataset_loader.h"
-#include "datasets/quantile.h"
 #include "datasets/sensor_alignment.h"
 #include "datasets/stream_repair.h"
 #include "graph/graph_builder.h"
-#include "synthesis/sensors/motion_base.h"
 #include "synthesis/sensors/motion_source.h"
-#include "synthesis/sensors/reconstruction.h"
+#include "synthesis/sensors/readings_reconstruction.h"
+#include "tests/benchmarks/leg_poses.h"
 #include "tests/benchmarks/real_sensors.h"
+#include "tests/benchmarks/segment_anatomy.h"
+#include "tests/support/random_matrix.h"
 
 namespace morphograph {
 namespace {
 
-using Eigen::Matrix3d;
 using Eigen::Matrix3Xd;
-using Eigen::Vector3d;
 
 constexpr const char* kUsedSensors[] = {"L_Foot", "R_Foot", "L_LowLeg", "R_LowLeg", "Pelvis"};
 
-// ---- how segments of two bodies correspond ----
-
-// Directions of a segment of the body in the world, in columns: left, up, forwards. Pelvis: along the hip joints, and up. Shank: from ankle to knee, and forwards as the foot points.
-Matrix3d PelvisAxes(const Vector3d& left_hip, const Vector3d& right_hip) {
-  const Vector3d left = (left_hip - right_hip).normalized();
-  const Vector3d up = (Vector3d::UnitY() - left.y() * left).normalized();
-  Matrix3d axes;
-  axes << left, up, left.cross(up);
-  return axes;
-}
-Matrix3d ShankAxes(const Vector3d& knee, const Vector3d& ankle, const Vector3d& foot_forwards) {
-  const Vector3d up = (knee - ankle).normalized(), left = up.cross(foot_forwards).normalized();
-  Matrix3d axes;
-  axes << left, up, left.cross(up);
-  return axes;
-}
-// Of a foot that stands flat: up is up.
-Matrix3d FlatFootAxes(const Vector3d& foot_forwards) {
-  const Vector3d forwards = Vector3d(foot_forwards.x(), 0, foot_forwards.z()).normalized();
-  Matrix3d axes;
-  axes << Vector3d::UnitY().cross(forwards), Vector3d::UnitY(), forwards;
-  return axes;
-}
-
-// How a segment's own frame lies in its body's directions, and where the joint that it hangs on is.
-struct SegmentAnatomy {
-  Matrix3d segment_from_body = Matrix3d::Zero();  // sums until Finish()
-  Vector3d joint = Vector3d::Zero();              // in the segment's frame
-  int samples = 0;
-
-  void Add(const Matrix3d& world_from_segment, const Vector3d& origin, const Matrix3d& world_from_body, const Vector3d& world_joint) {
-    segment_from_body += world_from_segment.transpose() * world_from_body;
-    joint += world_from_segment.transpose() * (world_joint - origin);
-    ++samples;
-  }
-  void Finish() {
-    const Eigen::JacobiSVD<Matrix3d> svd(segment_from_body, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    segment_from_body = svd.matrixU() * svd.matrixV().transpose();
-    joint /= samples;
-  }
-};
-
-SegmentAnatomy AnatomyOf(const BodySensor& sensor, const NeuraRecording& neura, const SegmentMotion& segment) {
-  const Readings& markers = neura.markers;
-  const std::string joint = sensor.joint, side = joint.starts_with("left") ? "L" : "R";
-  const auto at = [&](const std::string& name, int i) { return Vector3d(markers.values.col(i).segment<3>(RowOf(markers, name))); };
-  SegmentAnatomy anatomy;
-  // Feet lie flat while the person stands, before the walk.
-  const bool foot = joint.ends_with("ankle");
-  const int first = foot ? 50 : neura.walk_first, last = foot ? neura.walk_first - 50 : neura.walk_last;
-  for (int i = first; i <= last; ++i) {
-    const Matrix3d& world_from_segment = segment.rotations[static_cast<std::size_t>(i)];
-    const Vector3d origin = segment.positions.col(i);
-    if (joint == "hips") {
-      anatomy.Add(world_from_segment, origin, PelvisAxes(at("LHJC", i), at("RHJC", i)), (at("LHJC", i) + at("RHJC", i)) / 2);
-      continue;
-    }
-    const Vector3d forwards = at(side + "TOE", i) - at(side + "HEE", i);
-    if (foot) anatomy.Add(world_from_segment, origin, FlatFootAxes(forwards), at(side + "AJC", i));
-    else anatomy.Add(world_from_segment, origin, ShankAxes(at(side + "KJC", i), at(side + "AJC", i), forwards), at(side + "KJC", i));
-  }
-  anatomy.Finish();
-  return anatomy;
-}
-
-SegmentAnatomy AnatomyOf(const std::string& joint_name, const std::vector<MotionClip>& clips) {
-  constexpr std::size_t kEvery = 8;  // clips enough for a mean
-  const Skeleton& skeleton = clips.front().skeleton();
-  const RoleMap& roles = skeleton.roles();
-  const int joint = skeleton.FindRoleOrName(joint_name);
-  const bool left = joint_name.starts_with("left"), foot = joint_name.ends_with("ankle");
-  const int knee = roles[left ? JointRole::kLeftKnee : JointRole::kRightKnee], ankle = roles[left ? JointRole::kLeftAnkle : JointRole::kRightAnkle];
-  const int toe = roles[left ? JointRole::kLeftToe : JointRole::kRightToe];
-  SegmentAnatomy anatomy;
-  for (std::size_t c = 0; c < clips.size(); c += kEvery) {
-    const MotionClip& clip = clips[c];
-    const ContactTrack contacts = DetectContacts(clip);
-    for (int f = 0; f < clip.frame_count(); ++f) {
-      const WorldPose pose = ForwardKinematics(clip, f);
-      const Matrix3d world_from_joint = pose.rotations[static_cast<std::size_t>(joint)].toRotationMatrix();
-      const Vector3d origin = pose.positions.col(joint);
-      if (joint_name == "hips") {
-        const Vector3d left_hip = pose.positions.col(roles[JointRole::kLeftHip]), right_hip = pose.positions.col(roles[JointRole::kRightHip]);
-        anatomy.Add(world_from_joint, origin, PelvisAxes(left_hip, right_hip), (left_hip + right_hip) / 2);
-        continue;
-      }
-      const Vector3d forwards = pose.positions.col(toe) - pose.positions.col(ankle);
-      if (!foot) anatomy.Add(world_from_joint, origin, ShankAxes(pose.positions.col(knee), pose.positions.col(ankle), forwards), origin);
-      else if (contacts.planted(left ? 0 : 2, f) && contacts.planted(left ? 1 : 3, f)) anatomy.Add(world_from_joint, origin, FlatFootAxes(forwards), origin);
-    }
-  }
-  anatomy.Finish();
-  return anatomy;
-}
-
-// Where the sensor sits on the model's body, by where it sits on the person's.
-Placement PlacementOf(const BodySensor& sensor, const SensorAlignment& alignment, const SegmentAnatomy& person, const SegmentAnatomy& model, double scale) {
-  Placement placement{sensor.name, sensor.joint};
-  const Matrix3d model_from_person = model.segment_from_body * person.segment_from_body.transpose();
-  placement.joint_from_sensor = Eigen::Quaterniond(Matrix3d(model_from_person * alignment.segment_from_sensor.toRotationMatrix()));
-  placement.offset_m = model.joint + scale * (model_from_person * (alignment.offset_m - person.joint));
-  return placement;
-}
-
-// ---- errors ----
-
-using LegJoints = Eigen::Matrix<double, 3, 6>;   // hips, knees, ankles, left before right
-using LegPlaces = Eigen::Matrix<double, 3, 4>;   // knees and ankles from the middle of the hips: left, up, forwards of the hips
-
 const char* const kJointCentres[] = {"LHJC", "RHJC", "LKJC", "RKJC", "LAJC", "RAJC"};
-const JointRole kLegRoles[] = {JointRole::kLeftHip, JointRole::kRightHip, JointRole::kLeftKnee, JointRole::kRightKnee, JointRole::kLeftAnkle, JointRole::kRightAnkle};
-
-double LegLength(const LegJoints& joints) {
-  double length = 0;
-  for (int side = 0; side < 2; ++side) length += ((joints.col(side) - joints.col(2 + side)).norm() + (joints.col(2 + side) - joints.col(4 + side)).norm()) / 2;
-  return length;
-}
-
-// For legs of `length_m`.
-LegPlaces PlacesOfLegs(const LegJoints& joints, double length_m) {
-  const Vector3d middle = (joints.col(0) + joints.col(1)) / 2;
-  Vector3d left = joints.col(0) - joints.col(1);
-  left.y() = 0;
-  left.normalize();
-  Matrix3d axes;
-  axes << left, Vector3d::UnitY(), left.cross(Vector3d::UnitY());
-  return length_m / LegLength(joints) * (axes.transpose() * (joints.rightCols<4>().colwise() - middle));
-}
-
-std::vector<LegPlaces> PlacesOfLegs(const MotionClip& clip, double length_m) {
-  std::vector<LegPlaces> places;
-  for (int f = 0; f < clip.frame_count(); ++f) {
-    const WorldPose pose = ForwardKinematics(clip, f);
-    LegJoints joints;
-    for (int j = 0; j < 6; ++j) joints.col(j) = pose.positions.col(clip.skeleton().roles()[kLegRoles[j]]);
-    places.push_back(PlacesOfLegs(joints, length_m));
-  }
-  return places;
-}
-
-double Rms_cm(const LegPlaces& off) { return 100 * std::sqrt(off.colwise().squaredNorm().mean()); }
-
-LegPlaces MeanOf(const std::vector<LegPlaces>& places) {
-  LegPlaces mean = LegPlaces::Zero();
-  for (const LegPlaces& place : places) mean += place / static_cast<double>(places.size());
-  return mean;
-}
-
-void PrintErrors(const std::string& name, const std::vector<LegPlaces>& found, const std::vector<LegPlaces>& truth) {
-  const std::size_t frames = std::min(found.size(), truth.size());
-  std::vector<LegPlaces> off;
-  for (std::size_t f = 0; f < frames; ++f) off.push_back(found[f] - truth[f]);
-  const LegPlaces constant = MeanOf(off);
-  std::vector<double> errors, moving;
-  double mean = 0, moving_mean = 0;
-  for (const LegPlaces& o : off) {
-    errors.push_back(Rms_cm(o));
-    moving.push_back(Rms_cm(o - constant));
-    mean += errors.back() / static_cast<double>(frames);
-    moving_mean += moving.back() / static_cast<double>(frames);
-  }
-  std::printf("  %-56s %6.2f %6.2f %10.2f %6.2f\n", name.c_str(), mean, Quantile(errors, 0.95), moving_mean, Quantile(moving, 0.95));
-  std::fflush(stdout);
-}
-
-// ---- the base ----
 
 std::shared_ptr<const MotionGraph> Train(const std::filesystem::path& bnr) {
   std::vector<MotionClip> clips;
@@ -205,23 +37,6 @@ std::shared_ptr<const MotionGraph> Train(const std::filesystem::path& bnr) {
   return BuildGraph(training, options);
 }
 
-// Of every true pose the pose of the base that is nearest: what no choice of one can better.
-std::vector<LegPlaces> NearestPoses(const std::vector<MotionClip>& clips, const std::vector<LegPlaces>& truth, double length_m) {
-  std::vector<LegPlaces> base;
-  for (const MotionClip& clip : clips) {
-    for (const LegPlaces& place : PlacesOfLegs(clip, length_m)) base.push_back(place);
-  }
-  Eigen::MatrixXf columns(12, static_cast<Eigen::Index>(base.size()));
-  for (std::size_t i = 0; i < base.size(); ++i) columns.col(static_cast<Eigen::Index>(i)) = base[i].reshaped().cast<float>();
-  std::vector<LegPlaces> nearest;
-  for (const LegPlaces& place : truth) {
-    Eigen::Index best = 0;
-    (columns.colwise() - Eigen::VectorXf(place.reshaped().cast<float>())).colwise().squaredNorm().minCoeff(&best);
-    nearest.push_back(base[static_cast<std::size_t>(best)]);
-  }
-  return nearest;
-}
-
 Readings Part(const Readings& readings, double from_s, double to_s) {
   const auto first = static_cast<Eigen::Index>(std::lround(from_s * kReconstructionRate_hz));
   const auto last = std::min<Eigen::Index>(std::lround(to_s * kReconstructionRate_hz), readings.sample_count() - 1);
@@ -229,6 +44,33 @@ Readings Part(const Readings& readings, double from_s, double to_s) {
   part.values = readings.values.middleCols(first, last - first + 1).eval();
   part.times_s.assign(readings.times_s.begin() + first, readings.times_s.begin() + last + 1);
   return part;
+}
+
+// The whole recording, its standing included, with sensors that are told to sit otherwise than they do, by some degrees about a random axis each: as told, and aligned by standing.
+void PrintAligned(const std::shared_ptr<const MotionGraph>& graph, const Readings& real, const std::vector<Placement>& placements, const std::vector<LegPlaces>& walking, double walk_from_s,
+                  double length_m) {
+  for (const double askew_deg : {0.0, 20.0, 30.0}) {
+    std::mt19937_64 rng(5);
+    std::vector<Placement> told = placements;
+    for (Placement& placement : told)
+      placement.joint_from_sensor = placement.joint_from_sensor * Eigen::Quaterniond(Eigen::AngleAxisd(askew_deg * M_PI / 180, testing::RandomRotation(rng) * Eigen::Vector3d::UnitX()));
+    for (const ReconstructionMethod method : {ReconstructionMethod::kOlng, ReconstructionMethod::kGraph}) {
+      const auto reconstructor = MakeReconstructor(graph, method, told, 2);
+      for (const bool align : {false, true}) {
+        ReconstructionRequest request;
+        request.method = method;
+        request.readings = real;
+        request.placements = told;
+        if (align) request.alignment.emplace();
+        const ReconstructedReadings made = ReconstructReadings(*graph, request, [&](const std::vector<Placement>&) { return reconstructor; });
+        const std::vector<LegPlaces> found = PlacesOfLegs(made.reconstruction.clip, length_m);
+        const auto first = found.begin() + std::lround(walk_from_s * kReconstructionRate_hz);
+        char name[80];
+        std::snprintf(name, sizeof name, "walking, told %.0f degrees askew: %s%s", askew_deg, std::string(MethodName(method)).c_str(), align ? ", aligned" : "");
+        PrintErrors(name, std::vector<LegPlaces>(first, std::min(found.end(), first + static_cast<std::ptrdiff_t>(walking.size()))), walking);
+      }
+    }
+  }
 }
 
 }  // namespace
@@ -310,6 +152,7 @@ void PrintPoses(const std::filesystem::path& data, const NeuraRecording& neura) 
       }
     }
   }
+  PrintAligned(graph, real, placements, part_of(walk_from_s, walk_to_s), walk_from_s, length_m);
 }
 
 }  // namespace morphograph

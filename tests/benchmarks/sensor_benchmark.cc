@@ -164,8 +164,14 @@ struct Trial {
   SensorFaults faults;
 };
 
+double MeanOf(const std::vector<double>& values) {
+  double sum = 0;
+  for (const double value : values) sum += value;
+  return sum / static_cast<double>(values.size());
+}
+
 struct Errors {
-  std::vector<double> errors_cm, clip_means_cm;
+  std::vector<double> errors_cm, clip_means_cm, without_fingers_cm;
   double jerk = 0, angle_deg = 0, velocity_cm_s = 0, contacts = 0;
   long long frames = 0;
 
@@ -178,12 +184,28 @@ struct Errors {
     contacts += quality.contact_agreement * quality.frames;
     frames += quality.frames;
   }
-  double mean() const {
-    double sum = 0;
-    for (const double error : errors_cm) sum += error;
-    return sum / static_cast<double>(errors_cm.size());
-  }
+  double mean() const { return MeanOf(errors_cm); }
 };
+
+// The same error, a value a frame, over the joints that are not below a wrist: fingers, which some skeletons have, follow the hands.
+std::vector<double> ErrorsWithoutFingers(const MotionBase& base, const std::vector<BasePose>& poses, const std::vector<BasePose>& truth) {
+  const Skeleton& skeleton = base.skeleton();
+  std::vector<Eigen::Index> kept;
+  for (std::size_t n = 0; n < base.measured_joints().size(); ++n) {
+    bool finger = false;
+    for (int j = skeleton.parent(base.measured_joints()[n]); j >= 0; j = skeleton.parent(j))
+      finger = finger || j == skeleton.roles()[JointRole::kLeftWrist] || j == skeleton.roles()[JointRole::kRightWrist];
+    if (!finger) kept.push_back(static_cast<Eigen::Index>(n));
+  }
+  std::vector<double> errors_cm;
+  for (std::size_t f = 0; f < poses.size(); ++f) {
+    const Eigen::VectorXd off = MeasuredPositions(base, poses[f].rotations) - MeasuredPositions(base, truth[f].rotations);
+    double sum = 0;
+    for (const Eigen::Index n : kept) sum += off.segment<3>(3 * n).squaredNorm();
+    errors_cm.push_back(100 * std::sqrt(sum / static_cast<double>(kept.size())));
+  }
+  return errors_cm;
+}
 
 struct Outcome : Errors {
   std::map<std::string, Errors> kinds;  // by folder
@@ -197,6 +219,8 @@ void Print(const std::string& name, const Errors& outcome, double nearest_cm) {
   const auto share = static_cast<double>(outcome.frames);
   std::printf("%-62s %7.2f %7.2f %9.2f %7.2f %6.1f° %4.0f cm/s %7.1f %%\n", name.c_str(), outcome.mean(), Quantile(outcome.errors_cm, 0.95),
               outcome.mean() / nearest_cm, outcome.jerk / share, outcome.angle_deg / share, outcome.velocity_cm_s / share, 100 * outcome.contacts / share);
+  if (!outcome.without_fingers_cm.empty() && outcome.without_fingers_cm != outcome.errors_cm && std::abs(MeanOf(outcome.without_fingers_cm) - outcome.mean()) > 0.005)
+    std::printf("    without fingers: %.2f cm, 95 %% %.2f\n", MeanOf(outcome.without_fingers_cm), Quantile(outcome.without_fingers_cm, 0.95));
   std::fflush(stdout);
 }
 
@@ -278,6 +302,8 @@ class Study {
         const ReconstructionQuality quality = CompareWithTruth(*bases_[s], poses, test.truth);
         outcome.Add(quality);
         outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
+        const std::vector<double> bare = ErrorsWithoutFingers(*bases_[s], poses, PosesOf(*bases_[s], test.truth));
+        outcome.without_fingers_cm.insert(outcome.without_fingers_cm.end(), bare.begin(), bare.end());
         if (each_) std::printf("    %-40s %6.2f cm, jerk x %.2f\n", test.name.c_str(), quality.position_rms_cm, quality.jerk_ratio);
         if (!out_.empty()) Write(*bases_[s], test, poses);
       }

@@ -69,11 +69,34 @@ TEST(GaussianEstimator, FollowsAWalkThatItHasNotSeen) {
   EXPECT_GT(quality_of(std::make_shared<const GaussianModel>(SmallBase(), options)).position_rms_cm, quality.position_rms_cm);
 }
 
+// A body that is shaken more than those of the base: every reading would jolt the pose.
+TEST(GaussianEstimator, TrustsReadingsLessThatItCannotExplain) {
+  const MotionClip walk = testing::UnseenWalk();
+  Eigen::MatrixXd readings = VirtualAccelerations(walk, SmallBase().sensors(), 30).values;
+  const Eigen::VectorXd usual = readings.rowwise().mean();
+  readings = (2.2 * (readings.colwise() - usual)).colwise() + usual;
+  const auto quality_of = [&](const GaussianOptions& options) {
+    GaussianEstimator estimator(std::make_shared<const GaussianModel>(SmallBase(), options));
+    std::vector<BasePose> poses;
+    for (int f = 0; f < walk.frame_count(); ++f) poses.push_back(estimator.Next(readings.col(f)));
+    poses.erase(poses.begin(), poses.begin() + 20);
+    return CompareWithTruth(SmallBase(), poses, walk.Slice(20, walk.frame_count() - 20));
+  };
+  GaussianOptions trusting = SmallGaussian();
+  trusting.surprise_s = 0;
+  const ReconstructionQuality jolted = quality_of(trusting), quality = quality_of(SmallGaussian());
+  EXPECT_LT(quality.jerk_ratio, 0.8 * jolted.jerk_ratio);
+  EXPECT_LT(quality.position_rms_cm, 1.05 * jolted.position_rms_cm);
+}
+
 TEST(GaussianEstimator, SaysWhatIsWrong) {
   GaussianEstimator estimator(SmallGaussianModel());
   EXPECT_THROW(estimator.Next(Eigen::VectorXd::Zero(5)), std::invalid_argument);
   GaussianOptions options = SmallGaussian();
   options.reduction.kind = ReductionKind::kLle;
+  EXPECT_THROW(GaussianModel(SmallBase(), options), std::invalid_argument);
+  options = SmallGaussian();
+  options.surprise_s = -1;
   EXPECT_THROW(GaussianModel(SmallBase(), options), std::invalid_argument);
   options = SmallGaussian();
   options.control_stride = 0;

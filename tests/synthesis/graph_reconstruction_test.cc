@@ -156,6 +156,13 @@ TEST_F(GraphReconstructionTest, TellsMarkersFromAccelerations) {
   EXPECT_EQ(said(ReconstructionMethod::kMarkers, in_mm), "taken");
   EXPECT_EQ(said(ReconstructionMethod::kMarkers, far), "taken");
   EXPECT_THAT(said(ReconstructionMethod::kGraph, in_mm), ::testing::HasSubstr("positions of markers"));
+  // A stand, then feet that are flung about.
+  Readings vigorous = accelerations;
+  for (int s = 0; s < vigorous.sensor_count(); ++s) {
+    vigorous.values.middleRows<3>(3 * s).leftCols(60).colwise() = Eigen::Vector3d(0, 9.81, 0);
+    if (s >= 2) vigorous.values.middleRows<3>(3 * s).rightCols(60) *= 1.7;
+  }
+  EXPECT_EQ(said(ReconstructionMethod::kOlng, vigorous), "taken");
   // A sensor that is dead does not make markers of the others.
   Readings dead = in_g;
   dead.values.topRows<3>().setZero();
