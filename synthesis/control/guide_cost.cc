@@ -85,7 +85,13 @@ void GuideCost::Bend(PlannedStep* bent) const {
   Eigen::MatrixXd gram = by_latent * by_latent.transpose();
   gram.diagonal().array() += 1;
   const Eigen::VectorXd miss = Eigen::Map<const Eigen::VectorXd>(misses.data(), static_cast<Eigen::Index>(misses.size()));
-  const Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
+  Eigen::VectorXd change = -by_latent.transpose() * gram.ldlt().solve(miss);
+  // No farther out than captured steps, or than the step was drawn.
+  const double radius = graph_.primitive(planned.step.primitive).latent_radius, drawn = planned.step.whitened.norm();
+  if (const double most = std::max(radius, drawn); radius > 0 && (planned.step.whitened + change).norm() > most) {
+    const double a = change.squaredNorm(), b = planned.step.whitened.dot(change), c = drawn * drawn - most * most;
+    change *= std::clamp((-b + std::sqrt(std::max(0.0, b * b - a * c))) / a, 0.0, 1.0);
+  }
   MoveTo(graph_, planned.step.whitened + change, &planned.step);
   planned.cost += change.squaredNorm();
 }

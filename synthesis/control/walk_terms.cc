@@ -14,6 +14,7 @@
 #include "synthesis/control/residuals/reach_residual.h"
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/residuals/swing_residual.h"
+#include "synthesis/control/residuals/tempo_residual.h"
 #include "synthesis/foot_lock.h"
 #include "synthesis/step_track.h"
 #include "synthesis/unsatisfiable_request.h"
@@ -30,7 +31,7 @@ constexpr bool kAllAxes[3] = {true, true, true};
 constexpr double kMostWork = 250'000;  // units of SteerBudget that one look at all terms may take, some seconds
 constexpr double kSensor = 4;            // more of these, for each sensor on a pose
 constexpr double kWholePose = 12;        // units of SteerBudget: a term that needs a joint of a whole pose
-constexpr double kLegWork = 0.5;         // the same: a leg at a phase
+constexpr double kLegWork = 0.5, kTempoWork = 0.2;  // the same: a leg at a phase; how a step keeps time
 constexpr int kReachSamples = 3;         // of a step's phases, so many apart, legs are looked at
 constexpr double kReachMissing_m = 0.003;  // deviation of what a leg does not reach; captured feet stand within some 4 mm
 constexpr double kReachHold = 0.5;       // sum over heel and ball, from which a foot counts as planted there
@@ -137,9 +138,10 @@ void WalkTerms::AddSensors() {
   }
 }
 
-// Swings that no walker would make, once there was one.
+// Steps keep time as captured ones do; and swings that no walker would make, once there was one.
 void WalkTerms::AddSwings() {
   weight_ = 1;
+  for (size_t k = 0; k < walk_.steps.size(); ++k) Add(new TempoResidual(walk_.kinematics[k]), k, kTempoWork);
   for (size_t k = 0; k < walk_.steps.size(); ++k) {
     if (!walk_.swings[k]) continue;
     const ResolvedJoint& ball = problem_.ball[LandingFoot(problem_.graph.primitive(walk_.steps[k].primitive))];

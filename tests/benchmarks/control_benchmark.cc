@@ -41,6 +41,7 @@ using morphograph::bench::MeasurePieces;
 using morphograph::bench::MeansByStyle;
 using morphograph::bench::PieceQuality;
 
+constexpr size_t kOtherSets = 5;  // of clips that are not steered
 constexpr std::uint64_t kOtherSeeds = 5000;  // added, for walks that do not know of each other
 
 double Degrees(double rad) { return rad * 180 / M_PI; }
@@ -201,15 +202,34 @@ std::vector<PieceQuality> CapturedPieces(const morphograph::MotionGraph& graph) 
   return MeasurePieces(RecordedClips(*graph.recordings(), graph.layout(), graph.styles()[0].mean_rotations));
 }
 
-// How steered clips move, beside clips of the same styles that were told nothing, and these beside others of other seeds: what is chance.
+// A measure of steered clips, in its mean over sets of clips that were told nothing, and these sets themselves in that: what is chance.
+void PrintBesideChance(const char* what, double steered, const std::vector<double>& free) {
+  double mean = 0;
+  for (const double value : free) mean += value / static_cast<double>(free.size());
+  const auto [least, most] = std::minmax_element(free.begin(), free.end());
+  std::printf(" %s %.2f (%.2f to %.2f)", what, steered / mean, *least / mean, *most / mean);
+}
+
+// How steered clips move, beside clips of the same styles that were told nothing: of the same seeds first, then of these and others.
 void PrintQuality(const std::vector<morphograph::MotionClip>& steered, const std::vector<morphograph::MotionClip>& free,
-                  const std::vector<morphograph::MotionClip>& other, const std::vector<int>& requests, const std::vector<PieceQuality>& captured) {
-  const morphograph::SetQuality a = MeasureSet(steered), b = MeasureSet(free), c = MeasureSet(other);
+                  const std::vector<std::vector<morphograph::MotionClip>>& others, const std::vector<int>& requests, const std::vector<PieceQuality>& captured) {
+  const morphograph::SetQuality a = MeasureSet(steered), b = MeasureSet(free);
   std::printf("  steered / not: contact %.2f (%.2f mm), skate %.2f, naturalness %.2f, acceleration %.2f, jerk %.2f; knees %.1f (%.1f) deg\n",
               a.contact_distance_m / b.contact_distance_m, 1000 * a.contact_distance_m, a.foot_skate_cm_s / b.foot_skate_cm_s, a.naturalness / b.naturalness,
               a.acceleration_p999_m_s2 / b.acceleration_p999_m_s2, a.mean_jerk_m_s3 / b.mean_jerk_m_s3, a.min_knee_flexion_deg, b.min_knee_flexion_deg);
-  std::printf("  other seeds, not steered / not: contact %.2f, skate %.2f, naturalness %.2f, acceleration %.2f\n", c.contact_distance_m / b.contact_distance_m,
-              c.foot_skate_cm_s / b.foot_skate_cm_s, c.naturalness / b.naturalness, c.acceleration_p999_m_s2 / b.acceleration_p999_m_s2);
+  std::vector<morphograph::SetQuality> sets = {b};
+  for (const auto& other : others) sets.push_back(MeasureSet(other));
+  const auto beside = [&](const char* what, double morphograph::SetQuality::*measure) {
+    std::vector<double> values;
+    for (const morphograph::SetQuality& set : sets) values.push_back(set.*measure);
+    PrintBesideChance(what, a.*measure, values);
+  };
+  std::printf("  steered / mean of %zu sets that are not (these sets / their mean):", sets.size());
+  beside("contact", &morphograph::SetQuality::contact_distance_m);
+  beside("skate", &morphograph::SetQuality::foot_skate_cm_s);
+  beside("naturalness", &morphograph::SetQuality::naturalness);
+  beside("acceleration", &morphograph::SetQuality::acceleration_p999_m_s2);
+  std::printf("\n");
   constexpr double kStraight_rad = 0.35, kTurn_rad = 0.7, kAny = 100;
   const std::vector<PieceQuality> pieces = MeasurePieces(steered);
   const auto of_steered = MeansByStyle(pieces, 0, kAny), of_free = MeansByStyle(MeasurePieces(free), 0, kAny);
@@ -268,7 +288,8 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
   Tally tally;
   const auto captured = CapturedLikelihoods(graph);
   std::vector<double> ms, path_mean, path_95, ranks;
-  std::vector<morphograph::MotionClip> clips, free, other;
+  std::vector<morphograph::MotionClip> clips, free;
+  std::vector<std::vector<morphograph::MotionClip>> others(kOtherSets);
   std::vector<int> numbers;  // of the requests that were met
   int met = 0;
   for (int i = 0; i < count; ++i) {
@@ -303,8 +324,11 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
       unsteered.style = request.style;
       unsteered.duration_s = result.report.duration_s;
       free.push_back(Synthesize(graph, unsteered).clip);
-      unsteered.seed += 2 * kOtherSeeds;
-      other.push_back(Synthesize(graph, unsteered).clip);
+      unsteered.seed += kOtherSeeds;  // the first are those that goals are taken from
+      for (auto& other : others) {
+        unsteered.seed += kOtherSeeds;
+        other.push_back(Synthesize(graph, unsteered).clip);
+      }
       numbers.push_back(i);
       clips.push_back(std::move(result.clip));
     } catch (const morphograph::UnsatisfiableRequest& unmet) {
@@ -336,7 +360,7 @@ void Run(const morphograph::MotionGraph& graph, const std::string& kind, int cou
   const auto swings = morphograph::bench::CapturedSwings(graph);
   PrintSwings("steered", clips, swings);
   PrintSwings("not steered", free, swings);
-  if (clips.size() >= 5) PrintQuality(clips, free, other, numbers, captured_pieces);
+  if (clips.size() >= 5) PrintQuality(clips, free, others, numbers, captured_pieces);
 }
 
 }  // namespace

@@ -15,6 +15,7 @@
 #include "synthesis/control/residuals/reach_residual.h"
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/residuals/swing_residual.h"
+#include "synthesis/control/residuals/tempo_residual.h"
 #include "synthesis/walk_clip.h"
 #include "synthesis/walk_sampler.h"
 #include "tests/support/small_model.h"
@@ -180,6 +181,19 @@ TEST_F(ControlResidual, Swing) {
   SwingResidual(steps_[0], ball, range).Evaluate(parameters, value.data(), nullptr);
   EXPECT_GT(value.head(kSwingSpans).maxCoeff(), 1);
   EXPECT_GT(value.tail(kSwingSpans).maxCoeff(), 0.1);
+}
+
+TEST_F(ControlResidual, Tempo) {
+  const Eigen::MatrixXd by_latent = steps_[0]->model().timing().by_latent.bottomRows<kWarpKnots>();
+  Eigen::VectorXd values(kWarpKnots);
+  const Eigen::VectorXd first = by_latent.row(0).transpose().normalized();
+  for (const double deviations : {-5.0, -1.5, 0.0, 1.5, 5.0}) {
+    const Eigen::VectorXd latent = deviations * first;
+    const double* parameters[] = {latent.data(), place_.data()};
+    TempoResidual(steps_[0]).Evaluate(parameters, values.data(), nullptr);
+    EXPECT_NEAR(values[0], std::abs(deviations) < 2.576 ? 0 : std::copysign((5 - 2.576) / 0.25, deviations), 1e-9);
+    Check(TempoResidual(steps_[0]), {latent, place_});
+  }
 }
 
 TEST_F(ControlResidual, Reach) {

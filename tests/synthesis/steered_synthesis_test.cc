@@ -1,4 +1,5 @@
 // Walks of the default model that are asked to do something; what they did is measured on the clip, apart from the synthesiser's own report.
+#include <ceres/problem.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,6 +13,7 @@
 #include "synthesis/control/floor_path.h"
 #include "synthesis/control/swing_range.h"
 #include "synthesis/control/walk_optimizer.h"
+#include "synthesis/control/walk_terms.h"
 #include "synthesis/motion_synthesizer.h"
 
 namespace morphograph {
@@ -176,6 +178,50 @@ TEST(SteeredSynthesis, StandsInBendsAsElsewhere) {
     free += Synthesize(Model(), request).report.quality.contact_distance_m;
   }
   EXPECT_LT(steered / free, 1.1);
+}
+
+// However tight a bend is, the search bends no step farther than captured ones lie out.
+TEST(SteeredSynthesis, SearchesAmongStepsAsCaptured) {
+  SynthesisRequest request = Request(1);
+  request.control.path = PathTerm{.points_m = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {2, 0}, {2, 2}}, .tolerance_m = 0.2};
+  const ControlProblem problem = MakeControlProblem(Model(), request, 0, 30);
+  KinematicsCache kinematics(Model());
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    std::mt19937_64 rng(seed);
+    SteerBudget budget(1e6);
+    for (const WalkStep& step : PlanWalk(Model(), problem.guide, 1, &kinematics, &budget, rng).steps) {
+      EXPECT_LE(step.whitened.norm(), 1.001 * Model().primitive(step.primitive).latent_radius);
+    }
+  }
+}
+
+// What steps are held to without being asked: a step that leaps and waits as none that was drawn does costs as much as it is off.
+TEST(SteeredSynthesis, StepsAreToKeepTime) {
+  SynthesisRequest request = Request(1);
+  request.duration_s = 3;
+  const ControlProblem problem = MakeControlProblem(Model(), request, 0, 30);
+  KinematicsCache kinematics(Model());
+  std::mt19937_64 rng(1);
+  SteerBudget budget(1e6);
+  const WalkPlan plan = PlanWalk(Model(), problem.guide, 1, &kinematics, &budget, rng);
+  const auto cost = [&](double deviations) {
+    WalkState walk{.problem = problem, .steps = plan.steps, .places = plan.places, .along_m = plan.along_m, .frames = plan.frames};
+    for (const WalkStep& step : walk.steps) {
+      walk.kinematics.push_back(kinematics.Of(step));
+      walk.latents.push_back(step.whitened);
+    }
+    walk.swings.resize(walk.steps.size());
+    Eigen::VectorXd& latent = walk.latents[2];
+    const Eigen::VectorXd slope = walk.kinematics[2]->model().timing().by_latent.row(1).transpose().normalized();
+    latent += (deviations - slope.dot(latent)) * slope;
+    ceres::Problem equations;
+    WalkTerms terms(&walk, {}, &equations);
+    terms.AddAll();
+    double sum = 0;
+    equations.Evaluate({}, &sum, nullptr, nullptr, nullptr);
+    return sum;
+  };
+  EXPECT_NEAR(cost(5) - cost(2), 0.5 * std::pow((5 - 2.576) / 0.25, 2), 0.3 * 47);
 }
 
 // Bends tighter than recorded ones (radii under a metre) are not made by one swing that no walker makes.
