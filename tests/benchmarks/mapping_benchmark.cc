@@ -92,35 +92,39 @@ struct Method {
 
 using MakeMethod = std::function<Method(const std::string&, const RbfOptions&)>;
 
-// Settings that one reduction is tried with, about as many for each.
-std::vector<std::pair<std::string, RbfOptions>> Settings(const RbfOptions& defaults, ReductionKind kind) {
-  std::vector<std::pair<std::string, RbfOptions>> settings;
-  const auto add = [&](int neighbours, double regularisation, double ridge, double width) {
-    RbfOptions options = defaults;
-    options.reduction.kind = kind;
-    options.reduction.components = 7;
-    options.reduction.neighbours = neighbours;
-    options.reduction.regularisation = regularisation;
-    options.map.ridge = ridge;
-    options.map.width = width;
+struct Setting {
+  std::string name;
+  RbfOptions options;
+};
+
+// What one reduction is tried with in a round; the second round is about the best of the first. As many for each.
+std::vector<Setting> Settings(const RbfOptions& about, int round) {
+  std::vector<Setting> settings;
+  const auto add = [&](const std::function<void(RbfOptions*)>& change) {
+    Setting setting{{}, about};
+    change(&setting.options);
     char name[80];
-    if (kind == ReductionKind::kLle) std::snprintf(name, sizeof name, "LLE, %d neighbours, %g", neighbours, regularisation);
-    else std::snprintf(name, sizeof name, "PCA, ridge %g, width %g", ridge, width);
-    settings.emplace_back(name, options);
+    const RbfOptions& with = setting.options;
+    if (with.reduction.kind == ReductionKind::kLle) std::snprintf(name, sizeof name, "LLE, %d neighbours, %g", with.reduction.neighbours, with.reduction.regularisation);
+    else std::snprintf(name, sizeof name, "PCA, ridge %g, width %g", with.map.ridge, with.map.width);
+    setting.name = name;
+    settings.push_back(std::move(setting));
   };
-  if (kind == ReductionKind::kLle) {
-    for (const int neighbours : {8, 12, 20, 40}) {
-      for (const double regularisation : {1e-4, 1e-3, 1e-2, 1e-1}) add(neighbours, regularisation, defaults.map.ridge, defaults.map.width);
+  const bool lle = about.reduction.kind == ReductionKind::kLle;
+  if (round == 0) {
+    for (const double regularisation : {1e-3, 1e-2, 1e-1, 1.0}) {
+      if (lle) add([&](RbfOptions* options) { options->reduction.regularisation = regularisation; });
+      else add([&](RbfOptions* options) { options->map.ridge = 1e-2 * regularisation; });
     }
+  } else if (lle) {
+    for (const int neighbours : {6, 24, 48}) add([&](RbfOptions* options) { options->reduction.neighbours = neighbours; });
   } else {
-    for (const double ridge : {1e-5, 1e-4, 1e-3, 1e-2}) {
-      for (const double width : {1.0, 2.0, 4.0}) add(defaults.reduction.neighbours, defaults.reduction.regularisation, ridge, width);
-    }
+    for (const double width : {1.0, 3.0, 4.0}) add([&](RbfOptions* options) { options->map.width = width; });
   }
   return settings;
 }
 
-// Tunes both reductions on every 15th clip of the training set, left out of it, and tries the best of each on the test clips.
+// Tunes both reductions, with seven coordinates as published, on every 15th clip of the training set, left out of it, and tries the best of each on the test clips.
 void CompareFairly(const Split& split, const RbfOptions& defaults, const MakeMethod& method, const MotionBaseOptions& base_options) {
   constexpr std::size_t kStep = 15;
   Split inner{"tuning", {}, {}};
@@ -132,26 +136,28 @@ void CompareFairly(const Split& split, const RbfOptions& defaults, const MakeMet
   Row nearest;
   Add(base, split, [&] { return std::make_unique<NearestNeighbour>(base); }, &nearest);
   std::printf("error, cm, on %zu clips left out of the training set\n", inner.unseen.size());
-  for (const ReductionKind kind : {ReductionKind::kPca, ReductionKind::kLle}) {
-    std::string best_name;
-    RbfOptions best;
+  for (const ReductionKind kind : {ReductionKind::kLle, ReductionKind::kPca}) {
+    Setting best{{}, defaults};
+    best.options.reduction.kind = kind;
+    best.options.reduction.components = 7;
     double least = std::numeric_limits<double>::infinity();
-    for (const auto& [name, options] : Settings(defaults, kind)) {
-      Row row;
-      Add(inner_base, inner, method(name, options).learn(inner_base), &row);
-      const double error = row.rms / static_cast<double>(row.frames);
-      std::printf("  %-30s %6.2f, jerk %.2f\n", name.c_str(), error, row.jerk / static_cast<double>(row.frames));
-      std::fflush(stdout);
-      if (error < least) {
+    for (const int round : {0, 1}) {
+      const RbfOptions about = best.options;
+      for (const Setting& setting : Settings(about, round)) {
+        Row row;
+        Add(inner_base, inner, method(setting.name, setting.options).learn(inner_base), &row);
+        const double error = row.rms / static_cast<double>(row.frames);
+        std::printf("  %-30s %6.2f, jerk %.2f\n", setting.name.c_str(), error, row.jerk / static_cast<double>(row.frames));
+        std::fflush(stdout);
+        if (error >= least) continue;
         least = error;
-        best = options;
-        best_name = name;
+        best = setting;
       }
     }
     Row row;
-    Add(base, split, method(best_name, best).learn(base), &row);
+    Add(base, split, method(best.name, best.options).learn(base), &row);
     std::printf("the best on the test clips: RMS cm, p95, part of the nearest neighbour's, cm/s, jerk x, Eq. 7.1, deg, us/frame\n");
-    Print(best_name, row, nearest);
+    Print(best.name, row, nearest);
   }
 }
 
