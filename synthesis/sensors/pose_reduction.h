@@ -15,7 +15,7 @@ struct PoseReductionOptions {
   /// Of LLE (Xie 5.1.3, 5.1.4): neighbours of a sample, what keeps their weights from growing, and how many samples are embedded, evenly taken: its cost
   /// grows with their square. Other poses are placed by their neighbours among these.
   int neighbours = 12;
-  double regularisation = 1e-3;
+  double regularisation = 0.1;
   int samples = 2500;
 };
 

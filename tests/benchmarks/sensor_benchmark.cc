@@ -401,6 +401,9 @@ void PriorRows(Study& study, const OlngOptions& options) {
   least.energy.ridge_m = 0.003;
   least.energy.ridge_rad = 0.01;
   Print("the same, regularised by 3 mm and 0.01 rad", study.Try(least, {}), nearest);
+  least.energy.ridge_m = 0.0003;
+  least.energy.ridge_rad = 0.001;
+  Print("the same, by no more than 0.3 mm and 0.001 rad", study.Try(least, {}), nearest);
 }
 
 void TrialRows(Study& study, const OlngOptions& options, const std::string& title, const std::vector<std::pair<std::string, Trial>>& trials) {
