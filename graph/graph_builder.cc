@@ -74,6 +74,7 @@ std::vector<GraphEdge> FitEdges(const TrainingSet& set, const std::vector<Fitted
     TransitionPairs latents = LatentsOf(pairs[e], from.latents, to.latents);
     latents.previous_manner = MannerOf(from, pairs[e].previous);
     latents.next_manner = MannerOf(to, pairs[e].next);
+    fit.margin = FindSharedMargin(from.primitive, to.primitive, set.layout, StyleOf(set, set.classes[edges[e].to]).mean_rotations, set.channel_weights);
     edges[e].model = FitTransition(latents, from.primitive.mixture, to.primitive.mixture, fit);
     edges[e].model.probability = pairs[e].size() / leaving[edges[e].from];
     progress->Step();

@@ -9,6 +9,7 @@
 #include <map>
 #include <random>
 #include <stdexcept>
+#include <utility>
 
 #include "graph/internal/kernel_matrix.h"
 #include "graph/internal/kernel_search.h"
@@ -31,6 +32,35 @@ Whitened Whiten(const Eigen::MatrixXd& latents, const GaussianMixture& mixture) 
     result.component.push_back(c);
   }
   return result;
+}
+
+// What the shared motion says of the next step (E x D), averaged over the pairs' mixture components. How exactly the two ends agree is not
+// known beforehand: recorded poses are reduced, and clocks differ. The noise is the one by which the pairs are predicted best.
+Eigen::MatrixXd MapOfSharedMargin(const SharedMargin& margin, const TransitionPairs& pairs, const Whitened& from, const Whitened& to) {
+  std::map<std::pair<int, int>, double> shares;  // of the pairs, by components
+  for (size_t i = 0; i < from.component.size(); ++i) {
+    shares[{from.component[i], to.component[i]}] += 1.0 / static_cast<double>(from.component.size());
+  }
+  const auto within = [](const std::vector<Eigen::MatrixXd>& jacobians, const PairManner& manner) {
+    std::vector<Eigen::MatrixXd> scaled = jacobians;
+    if (manner.within_scale.size() == 0) return scaled;
+    for (Eigen::MatrixXd& jacobian : scaled) jacobian *= manner.within_scale.asDiagonal();
+    return scaled;
+  };
+  const std::vector<Eigen::MatrixXd> ends = within(margin.end, pairs.previous_manner), starts = within(margin.start, pairs.next_manner);
+  const double scale = starts.front().squaredNorm() / static_cast<double>(starts.front().cols());
+  Eigen::MatrixXd best = Eigen::MatrixXd::Zero(to.values.rows(), from.values.rows());
+  double least = to.values.squaredNorm();
+  for (double log_noise = -4; log_noise <= 1; log_noise += 0.25) {
+    Eigen::MatrixXd map = Eigen::MatrixXd::Zero(best.rows(), best.cols());
+    for (const auto& [components, share] : shares) {
+      map += share * SharedMarginMap(ends[static_cast<size_t>(components.first)], starts[static_cast<size_t>(components.second)],
+                                     scale * std::pow(10, log_noise));
+    }
+    const double missed = (to.values - map * from.values).squaredNorm();
+    if (missed < least) least = missed, best = std::move(map);
+  }
+  return best;
 }
 
 // What changes from step to step.
@@ -166,6 +196,11 @@ Eigen::MatrixXd Recoloured(const Eigen::MatrixXd& residuals, const Eigen::Matrix
   return energy > 0 ? Eigen::MatrixXd(std::sqrt(wanted.trace() / energy) * recoloured) : recoloured;
 }
 
+struct LinearPart {
+  internal::LinearRidges ridges;
+  internal::LinearMap fitted;
+};
+
 // The next step comes from the target's mixture, whatever the one before was.
 TransitionModel IndependentTransition(int pairs, const GaussianMixture& source, const GaussianMixture& target) {
   TransitionModel model;
@@ -210,12 +245,25 @@ TransitionModel FitTransition(const TransitionPairs& pairs, const GaussianMixtur
   model.residual_component = to.component;
 
   const std::vector<Eigen::Index> captured = CapturedPairs(pairs);
-  const Eigen::MatrixXd captured_from = from.values(Eigen::all, captured), captured_to = to.values(Eigen::all, captured);
+  const Eigen::MatrixXd captured_from = from.values(Eigen::all, captured);
   Eigen::MatrixXd linear = Eigen::MatrixXd::Zero(to.values.rows(), from.values.rows());
   Eigen::MatrixXd residuals = to.values;
   if (stationary) {
-    const internal::LinearRidges ridges = internal::SearchLinearRidges(captured_from, captured_to, InputScales(source));
-    internal::LinearMap fitted = internal::FitLinearMap(ridges, from.values, to.values, pairs.clip);
+    // Pairs teach what `told` leaves.
+    const auto fit = [&](const Eigen::MatrixXd& told) {
+      const Eigen::MatrixXd left = to.values - told * from.values;
+      LinearPart part{internal::SearchLinearRidges(captured_from, left(Eigen::all, captured), InputScales(source)), {}};
+      part.fitted = internal::FitLinearMap(part.ridges, from.values, left, pairs.clip);
+      part.fitted.map += told;
+      return part;
+    };
+    LinearPart part = fit(Eigen::MatrixXd::Zero(to.values.rows(), from.values.rows()));
+    if (!options.margin.empty()) {
+      LinearPart with_margin = fit(MapOfSharedMargin(options.margin, pairs, from, to));
+      if (with_margin.fitted.residuals.squaredNorm() < part.fitted.residuals.squaredNorm()) part = std::move(with_margin);
+    }
+    const internal::LinearRidges& ridges = part.ridges;
+    internal::LinearMap& fitted = part.fitted;
     linear = WithGainsUpTo(options.largest_gain, fitted.map);
     residuals = std::move(fitted.residuals);
     model.noise_variance = ridges.noise_variance.mean();

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "graph/shared_margin.h"
 #include "graph/training_variant.h"
 #include "graph/transition_model.h"
 #include "primitives/gaussian_mixture.h"
@@ -17,6 +18,8 @@ struct TransitionFitOptions {
   /// Whether the pairs are all that is known of the target, so that its marginal is to be kept. If not, as for the steps after a
   /// start, which still gather speed, residuals stay as they are.
   bool keep_marginal = true;
+  /// Of the two primitives; A begins with what it says, where that predicts unseen clips better. Empty: nothing is known of it.
+  SharedMargin margin = {};
   double process_gain = 0.02;   // part of A's error on unseen clips that the RBF part has to take away to be kept
 };
 

@@ -31,8 +31,8 @@ struct TransitionPairs {
 /// Both latents are whitened by the mixture component that they belong to, and what stays over a walk is taken out (MannerModel; w is
 /// z there). A Markov chain picks the next component; then
 ///   w' = A w + f(w) + e,
-/// A w + f(w) the mean of a Gaussian process (Du 3.5) with a linear and an RBF kernel, A its linear part with singular values below 1,
-/// f its RBF part, kept only where it predicts clips that it has not seen better than A alone; e a whole training residual of
+/// A w + f(w) the mean of a Gaussian process (Du 3.5) with a linear and an RBF kernel, A (begun with what a SharedMargin says, singular
+/// values below 1) and f its parts, f kept only where it predicts clips that it has not seen better than A alone; e a training residual of
 /// unseen clips, recoloured to the covariance I - Cov(A w + f(w)) over w ~ N(0, I), so that walking on for ever keeps each
 /// component's mean and covariance.
 struct TransitionModel {

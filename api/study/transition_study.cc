@@ -70,7 +70,7 @@ Judged JudgeInUse(const TransitionModel& model, const Eigen::VectorXd& offset, c
 
 // Learns from all pairs but those of the fold, and judges these.
 void JudgeFold(const TransitionPairs& latents, const WhitenedPairs& pairs, const MotionPrimitive& from, const MotionPrimitive& to,
-               const std::vector<Eigen::Index>& left_out, JudgedEdge* edge) {
+               const SharedMargin& margin, const std::vector<Eigen::Index>& left_out, JudgedEdge* edge) {
   std::vector<Eigen::Index> used;
   for (Eigen::Index i = 0; i < pairs.next.cols(); ++i)
     if (!std::binary_search(left_out.begin(), left_out.end(), i)) used.push_back(i);
@@ -82,6 +82,7 @@ void JudgeFold(const TransitionPairs& latents, const WhitenedPairs& pairs, const
   const Eigen::MatrixXd inputs = pairs.previous(Eigen::all, used), outputs = pairs.next(Eigen::all, used);
   TransitionFitOptions options;
   options.keep_marginal = IsWalking(from.start) || !IsWalking(to.end);  // as graph_builder.cc does
+  options.margin = margin;
   const TransitionModel in_use = FitTransition(training, from.mixture, to.mixture, options);
   const Eigen::VectorXd offset = in_use.residuals.cast<double>().rowwise().mean();
   const GaussianProcess rbf = GaussianProcess::Fit(inputs, outputs);
@@ -138,6 +139,7 @@ std::vector<JudgedEdge> JudgeEdges(const StudyContext& context, StudyData data) 
   std::vector<JudgedEdge> edges(pairs.size());
   std::vector<TransitionPairs> latents;
   std::vector<WhitenedPairs> whitened;
+  std::vector<SharedMargin> margins;
   std::vector<Fold> work;
   std::mt19937_64 rng(options.seed);
   for (size_t e = 0; e < pairs.size(); ++e) {
@@ -145,6 +147,7 @@ std::vector<JudgedEdge> JudgeEdges(const StudyContext& context, StudyData data) 
     latents.push_back(LatentsOf(pairs[e], from.latents, to.latents));
     whitened.push_back({WhitenColumns(latents[e].previous, from.primitive.mixture), WhitenColumns(latents[e].next, to.primitive.mixture)});
     const StepClass& named = set.classes[pairs[e].from];
+    margins.push_back(FindSharedMargin(from.primitive, to.primitive, set.layout, StyleOf(set, named).mean_rotations, set.channel_weights));
     edges[e].style = named.style, edges[e].from = named.primitive, edges[e].to = set.classes[pairs[e].to].primitive;
     edges[e].pairs = pairs[e].size();
     edges[e].clips = static_cast<int>(std::set<int>(pairs[e].source.begin(), pairs[e].source.end()).size());
@@ -153,7 +156,7 @@ std::vector<JudgedEdge> JudgeEdges(const StudyContext& context, StudyData data) 
   }
   ParallelFor(options.jobs, static_cast<int>(work.size()), [&](int i) {
     const size_t e = static_cast<size_t>(work[i].edge);
-    JudgeFold(latents[e], whitened[e], fitted[pairs[e].from].primitive, fitted[pairs[e].to].primitive, work[i].left_out, &edges[e]);
+    JudgeFold(latents[e], whitened[e], fitted[pairs[e].from].primitive, fitted[pairs[e].to].primitive, margins[e], work[i].left_out, &edges[e]);
   });
   return edges;
 }

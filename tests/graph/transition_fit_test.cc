@@ -97,6 +97,41 @@ TEST(TransitionFit, CopiesOfAClipAreNoEvidenceForEachOther) {
   EXPECT_LT(FitTransition(blind, mixture, mixture).unseen_error, 0.3);
 }
 
+// Neighbours share `values` values of their motion: start w' = end w.
+struct SharingPairs {
+  TransitionPairs pairs;
+  SharedMargin margin;
+  GaussianMixture source, target;
+};
+
+SharingPairs PairsThatShare(int dims, int values, int count, std::mt19937_64& rng) {
+  const Eigen::MatrixXd end = testing::RandomNormal(values, dims, rng), start = testing::RandomNormal(values, dims, rng);
+  const Eigen::MatrixXd previous = testing::RandomNormal(dims, count, rng);
+  Eigen::MatrixXd next = testing::RandomNormal(dims, count, rng);
+  // The part of `next` that is shared is as `previous` has it.
+  const Eigen::MatrixXd fit = start.transpose() * (start * start.transpose()).inverse();
+  next += fit * (end * previous - start * next);
+  const GaussianMixture source = OneGaussian(previous), target = OneGaussian(next);
+  return {{previous, next, {}, {}}, {{end * source.Component(0).cholesky}, {start * target.Component(0).cholesky}}, source, target};
+}
+
+TEST(TransitionFit, SharedMotionTellsWhatTooFewPairsCannot) {
+  std::mt19937_64 rng(31);
+  const SharingPairs few = PairsThatShare(24, 12, 40, rng);
+  const double by_pairs = FitTransition(few.pairs, few.source, few.target).unseen_error;
+  const double by_both = FitTransition(few.pairs, few.source, few.target, {.margin = few.margin}).unseen_error;
+  EXPECT_GT(by_pairs, 0.7);
+  EXPECT_LT(by_both, 0.75 * by_pairs);
+}
+
+TEST(TransitionFit, SharedMotionThatIsWrongIsNotBelieved) {
+  std::mt19937_64 rng(32);
+  SharingPairs few = PairsThatShare(24, 12, 40, rng);
+  few.margin.end.front() = testing::RandomNormal(12, 24, rng);
+  const double by_pairs = FitTransition(few.pairs, few.source, few.target).unseen_error;
+  EXPECT_LE(FitTransition(few.pairs, few.source, few.target, {.margin = few.margin}).unseen_error, by_pairs);
+}
+
 // Next latents bend with the ones before, so that the RBF part has something to tell.
 TEST(TransitionFit, KeepsTheMarginalWithAnRbfPartToo) {
   constexpr int kWalks = 500;
