@@ -11,10 +11,10 @@ struct FootLockOptions {
   /// Part of the mean slide of captured planted feet that is left. They do slide: joints are not soles, feet roll and turn on the ball.
   /// A foot nailed to the floor is told from the capture at once.
   double slide = 0.35;
-  double rolling = 0.6;       // part of the mean rise of captured planted feet over their standing height that is left
+  double rolling = 0.55;      // part of the mean rise of captured planted feet over their standing height that is left
   double hold_s = 0.5;       // how long a slip has to last to be let through rather than taken out
   double ease_s = 0.06;       // time constant of easing into and out of a hold
-  double level = 3;           // weight of a planted foot's height against that of leaving it where it is
+  double level = 12;          // weight of a planted foot's height against that of leaving it where it is
 };
 
 /// Holds planted feet as captured ones are held, by inverse kinematics of the legs.
