@@ -48,17 +48,20 @@ ContactQuality MeasureContacts(const ContactTrack& contacts, const GroundPlane& 
   if (quality.planted_foot_frames > 0)
     quality.contact_distance_m = distance_sum / quality.planted_foot_frames;
 
-  double skate_sum = 0;
+  double skate_sum = 0, planted_sum = 0;
   for (int side = 0; side < 2; ++side) {
     for (int f = 0; f + 1 < frames; ++f) {
       const double height = 0.5 * (ball_height(side, f) + ball_height(side, f + 1));
       if (height >= kSkateHeight_m) continue;
       const double near = std::clamp(2.0 - std::exp2(height / kSkateHeight_m), 0.0, 1.0);
       const Eigen::Vector3d step = contacts.balls[side].col(f + 1) - contacts.balls[side].col(f);
-      skate_sum += near * std::hypot(step.x(), step.z()) * frame_rate_hz;
+      const double skate = near * std::hypot(step.x(), step.z()) * frame_rate_hz;
+      skate_sum += skate;
+      if (contacts.planted(2 * side + 1, f) && contacts.planted(2 * side + 1, f + 1)) planted_sum += skate;
     }
   }
   quality.foot_skate_cm_s = 100 * skate_sum / (2 * (frames - 1));
+  quality.planted_skate_cm_s = 100 * planted_sum / (2 * (frames - 1));
   return quality;
 }
 

@@ -17,6 +17,8 @@ struct ContactQuality {
   /// Mean over frames and both balls of v clamp(2 - 2^(h / 2.5 cm), 0, 1): v horizontal speed between two
   /// frames, h mean height above the contact plane in them (METHODS section 6).
   double foot_skate_cm_s = 0;
+  /// The part of it that comes from balls planted in both frames; the rest is feet in the air that pass low over the floor.
+  double planted_skate_cm_s = 0;
   /// Deepest point of heel and ball below the contact plane, >= 0.
   double penetration_m = 0;
   /// Per frame, mean over its planted feet; 0 where none is planted (Du Fig. 4.17). (frames)

@@ -51,6 +51,7 @@ SetQuality MeasureSet(const std::vector<MotionClip>& clips, const SetQualityOpti
       distance_sum += contact.contact_distance_m * contact.planted_foot_frames;
       planted += contact.planted_foot_frames;
       set.foot_skate_cm_s += contact.foot_skate_cm_s;
+      set.planted_skate_cm_s += contact.planted_skate_cm_s;
       set.naturalness += NaturalnessVariance(FrameDifferences(*motion.skeleton, motion.joint_positions));
       set.penetration_m = std::max(set.penetration_m, contact.penetration_m);
       set.min_knee_flexion_deg = std::min(set.min_knee_flexion_deg, body.min_knee_flexion_deg);
@@ -68,6 +69,7 @@ SetQuality MeasureSet(const std::vector<MotionClip>& clips, const SetQualityOpti
   }
   if (set.pieces == 0) throw std::invalid_argument("MeasureSet: no clip is as long as a piece");
   set.foot_skate_cm_s /= set.pieces;
+  set.planted_skate_cm_s /= set.pieces;
   set.naturalness /= set.pieces;
   if (planted > 0) set.contact_distance_m = distance_sum / planted;
   if (!accelerations.empty()) set.acceleration_p999_m_s2 = Quantile(std::move(accelerations), 0.999);

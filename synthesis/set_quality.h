@@ -15,6 +15,7 @@ struct SetQuality {
   // Means over pieces; contact distance over planted foot-frames.
   double contact_distance_m = 0;
   double foot_skate_cm_s = 0;
+  double planted_skate_cm_s = 0;  // the part of planted balls
   double naturalness = 0;  // m^4
   // Over all frames and evaluation joints.
   double acceleration_p999_m_s2 = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <stdexcept>
 
 #include "datasets/parallel_for.h"
@@ -73,13 +74,16 @@ StyledClips DrawStyles(const MotionGraph& graph, const DrawOptions& options, std
 }
 
 std::vector<MotionClip> InProportion(const StyledClips& synthesised, const StyledClips& captured) {
-  size_t most = 1;
-  for (const auto& [style, clips] : captured) most = std::max(most, clips.size());
+  const auto frames_of = [](const std::vector<MotionClip>& clips) {
+    return std::accumulate(clips.begin(), clips.end(), 0.0, [](double sum, const MotionClip& clip) { return sum + clip.frame_count(); });
+  };
+  double most = 0;  // frames of a style
+  for (const auto& [style, clips] : captured) most = std::max(most, frames_of(clips));
   std::vector<MotionClip> chosen;
   for (const auto& [style, clips] : synthesised) {
     const auto of_captured = captured.find(style);
     // A style that the data do not name apart is all of them.
-    const double part = of_captured == captured.end() ? 1 : static_cast<double>(of_captured->second.size()) / static_cast<double>(most);
+    const double part = of_captured == captured.end() ? 1 : frames_of(of_captured->second) / most;
     const size_t count = std::max<size_t>(1, static_cast<size_t>(std::lround(part * static_cast<double>(clips.size()))));
     chosen.insert(chosen.end(), clips.begin(), clips.begin() + static_cast<std::ptrdiff_t>(std::min(count, clips.size())));
   }

@@ -44,7 +44,8 @@ std::vector<MotionClip> DrawClips(const MotionGraph& graph, const std::string& s
 /// The same of every style that the graph can walk in; others are named in `missing`.
 StyledClips DrawStyles(const MotionGraph& graph, const DrawOptions& options, std::vector<std::string>* missing = nullptr);
 
-/// Of each style as many as its part in the captured clips, at most all: a set that compares with all captured clips together.
+/// Of each style, whose clips are all of one length, as many as its part in the time of the captured clips, at most all: a set that compares
+/// with all captured clips together.
 std::vector<MotionClip> InProportion(const StyledClips& synthesised, const StyledClips& captured);
 
 /// "all", or a style's name, for charts and tables.

@@ -107,6 +107,14 @@ TEST(ContactQuality, OfFeetThatSlideAtAKnownSpeedIsThatSpeed) {
     track.heels[0].col(f) = track.balls[0].col(f), track.heels[1].col(f) = track.balls[1].col(f);
   }
   EXPECT_NEAR(Measure(track).foot_skate_cm_s, 15, 1e-9);
+  // Of planted balls: 20 and 10 cm/s while they stand.
+  double planted = 0;
+  for (int side = 0; side < 2; ++side) {
+    for (int f = 0; f + 1 < 60; ++f) planted += track.planted(2 * side + 1, f) && track.planted(2 * side + 1, f + 1) ? 20.0 / (side + 1) : 0;
+  }
+  ASSERT_GT(planted, 0);
+  EXPECT_NEAR(Measure(track).planted_skate_cm_s, planted / (2 * 59), 1e-9);
+  EXPECT_LT(Measure(track).planted_skate_cm_s, 10);
   for (int side = 0; side < 2; ++side) track.balls[side].row(1).array() += 0.0125;  // 2 - 2^0.5 of it counts
   EXPECT_NEAR(MeasureContacts(track, {0.04, 0, 0}, 30).foot_skate_cm_s, 15 * (2 - std::sqrt(2)), 1e-9);
   for (int side = 0; side < 2; ++side)
