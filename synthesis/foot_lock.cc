@@ -107,10 +107,9 @@ Eigen::Matrix3Xd Shifts(const FootPath& path, const PartTarget (&targets)[2], do
 
 // A target for an ankle that stretches the leg no further than part of the way from where it is to straight: close to straight, millimetres
 // of the ankle are centimetres of the knee.
-Eigen::Vector3d WithinReach(const Eigen::Vector3d& hip, const Eigen::Vector3d& ankle, const Eigen::Vector3d& target, double length_m) {
-  constexpr double kStretch = 0.3;
+Eigen::Vector3d WithinReach(const Eigen::Vector3d& hip, const Eigen::Vector3d& ankle, const Eigen::Vector3d& target, double length_m, double stretch) {
   const double before = (ankle - hip).norm(), wanted = (target - hip).norm();
-  const double limit = before + kStretch * std::max(0.0, length_m - before);
+  const double limit = before + stretch * std::max(0.0, length_m - before);
   if (wanted <= limit || !(wanted > 0)) return target;
   return hip + limit / wanted * (target - hip);
 }
@@ -138,7 +137,7 @@ void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactP
       // Most of every swing needs nothing, unless the leg is so straight that its knee might be bent back.
       const bool straight = (path.ankles.col(f) - path.hips.col(f)).norm() > kNearlyStraight * leg.length_m();
       if (!straight && shift.squaredNorm() < kNegligible_m * kNegligible_m) continue;
-      leg.Solve(WithinReach(path.hips.col(f), path.ankles.col(f), path.ankles.col(f) + shift, leg.length_m()), std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
+      leg.Solve(WithinReach(path.hips.col(f), path.ankles.col(f), path.ankles.col(f) + shift, leg.length_m(), options.stretch), std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
     }
   }
 }

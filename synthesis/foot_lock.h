@@ -15,6 +15,7 @@ struct FootLockOptions {
   double hold_s = 0.5;       // how long a slip has to last to be let through rather than taken out
   double ease_s = 0.06;       // time constant of easing into and out of a hold
   double level = 12;          // weight of a planted foot's height against that of leaving it where it is
+  double stretch = 0.3;       // part of the way from where an ankle is to a straight leg that a foot may be brought down by
 };
 
 /// Holds planted feet as captured ones are held, by inverse kinematics of the legs.

@@ -16,6 +16,7 @@
 #include "synthesis/control/residuals/sensor_residual.h"
 #include "synthesis/control/residuals/swing_residual.h"
 #include "synthesis/control/residuals/tempo_residual.h"
+#include "synthesis/foot_lock.h"
 #include "synthesis/walk_clip.h"
 #include "synthesis/walk_sampler.h"
 #include "tests/support/small_model.h"
@@ -224,9 +225,10 @@ TEST_F(ControlResidual, Reach) {
   // One that is to come down farther than the leg can be stretched lacks the rest: as far as it is from the hip in the world.
   moment.hold[0] = 0.8;
   moment.hold[1] = 0.5;
-  const double drop = 3 * (0.8 * 0.2 + 0.5 * 0.15) / (1 + 3 * 1.3);
+  const FootLockOptions lock;
+  const double drop = lock.level * (0.8 * 0.2 + 0.5 * 0.15) / (1 + lock.level * 1.3);
   const Eigen::Vector3d leg = joints[1].position_m - joints[0].position_m;
-  EXPECT_NEAR(missing(), (leg - Eigen::Vector3d(0, drop, 0)).norm() - leg.norm() - 0.3 * (moment.leg_length_m - leg.norm()), 1e-9);
+  EXPECT_NEAR(missing(), (leg - Eigen::Vector3d(0, drop, 0)).norm() - leg.norm() - lock.stretch * (moment.leg_length_m - leg.norm()), 1e-9);
   EXPECT_GT(missing(), 0.01);
   CheckOfStep(ReachResidual(steps_[0], {moment}, 0.001));
 }

@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "synthesis/foot_lock.h"
+
 namespace morphograph {
 namespace {
 
-// As the foot lock has them: the weight of a foot's height, and the part of the way to straight that it stretches a leg by.
-constexpr double kLevel = 3, kStretch = 0.3;
+constexpr FootLockOptions kLock;  // the lock that a clip is finished by
 
 }  // namespace
 
@@ -30,18 +31,18 @@ StepResidual::Linear ReachResidual::Linearise(const Eigen::VectorXd& w, const Ke
     }
     const JointState ankle = moment.ankle->At(pose), ball = moment.ball->At(pose);
     const Eigen::Vector3d heel = ankle.rotation * moment.heel_offset_m;
-    const double weight = kLevel / (1 + kLevel * (moment.hold[0] + moment.hold[1]));
+    const double weight = kLock.level / (1 + kLock.level * (moment.hold[0] + moment.hold[1]));
     const double drop = weight * (moment.hold[0] * (ankle.position_m.y() + heel.y() - moment.height_m[0]) + moment.hold[1] * (ball.position_m.y() - moment.height_m[1]));
     if (drop <= 0) continue;
     const JointState hip = moment.hip->At(pose);
     const Eigen::Vector3d leg = ankle.position_m - hip.position_m, wanted = leg - drop * Eigen::Vector3d::UnitY();
     const double length = leg.norm(), wanted_length = wanted.norm();
-    const double missing = wanted_length - length - kStretch * std::max(0.0, moment.leg_length_m - length);
+    const double missing = wanted_length - length - kLock.stretch * std::max(0.0, moment.leg_length_m - length);
     if (missing <= 0) continue;
     // A turn d of the foot moves its heel by d x heel: (d x heel)_y = d_z heel_x - d_x heel_z.
     const Eigen::RowVectorXd drop_by_pose =
         weight * (moment.hold[0] * (ankle.position_by_pose.row(1) + heel.x() * ankle.turn_by_pose.row(2) - heel.z() * ankle.turn_by_pose.row(0)) + moment.hold[1] * ball.position_by_pose.row(1));
-    const double by_length = length < moment.leg_length_m ? 1 - kStretch : 1;
+    const double by_length = length < moment.leg_length_m ? 1 - kLock.stretch : 1;
     const Eigen::RowVector3d by_leg = wanted.transpose() / wanted_length - by_length / length * leg.transpose();
     const Eigen::RowVectorXd by_pose = by_leg * (ankle.position_by_pose - hip.position_by_pose) - wanted.y() / wanted_length * drop_by_pose;
     linear.value[i] = missing / deviation_m_;
