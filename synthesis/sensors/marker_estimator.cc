@@ -50,7 +50,7 @@ std::vector<int> ClustersOfFrames(const MotionBase& base, const Eigen::MatrixXf&
     Eigen::Index end = first + 1;
     while (end < base.frame_count() && base.follows(end)) ++end;
     const Eigen::MatrixXd clip = coordinates.middleCols(first, end - first).cast<double>();
-    const std::vector<Eigen::Index> cuts = SegmentMotion(clip, base.frame_rate_hz(), options.segmentation);
+    const std::vector<Eigen::Index> cuts = CutMotion(clip, base.frame_rate_hz(), options.segmentation);
     for (std::size_t s = 0; s < cuts.size(); ++s)
       segments.push_back(clip.middleCols(cuts[s], (s + 1 < cuts.size() ? cuts[s + 1] : clip.cols()) - cuts[s]));
     first = end;

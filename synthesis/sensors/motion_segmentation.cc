@@ -64,7 +64,7 @@ double Farthest(const Eigen::MatrixXd& features, const std::vector<int>& members
 
 }  // namespace
 
-std::vector<Eigen::Index> SegmentMotion(const Eigen::MatrixXd& poses, double frame_rate_hz, const SegmentationOptions& options) {
+std::vector<Eigen::Index> CutMotion(const Eigen::MatrixXd& poses, double frame_rate_hz, const SegmentationOptions& options) {
   const auto window = static_cast<Eigen::Index>(std::lround(options.first_s * frame_rate_hz));
   const auto step = std::max<Eigen::Index>(1, std::lround(options.step_s * frame_rate_hz));
   std::vector<Eigen::Index> firsts = {0};

@@ -20,7 +20,7 @@ struct SegmentationOptions {
 /// of the same kind; at a peak that follows a valley by more than `rise`, a new segment begins. Distances are per dimension, about 1 for more of the same.
 ///
 /// @param poses  (dimensions x frames) of one clip. @return first frames of the segments, 0 first.
-std::vector<Eigen::Index> SegmentMotion(const Eigen::MatrixXd& poses, double frame_rate_hz, const SegmentationOptions& options);
+std::vector<Eigen::Index> CutMotion(const Eigen::MatrixXd& poses, double frame_rate_hz, const SegmentationOptions& options);
 
 struct SegmentClusterOptions {
   double covariance_weight = 0.8;  // Liu's w, of what tells segments apart; 1 - w for the mean

@@ -75,11 +75,11 @@ TEST(SegmentMotion, CutsWhereThePosesBeginToVaryOtherwise) {
   SegmentationOptions options;
   options.first_s = 1;
   options.rise = 20;  // the second kind moves where the first only trembles
-  const std::vector<Eigen::Index> firsts = SegmentMotion(poses, 30, options);
+  const std::vector<Eigen::Index> firsts = CutMotion(poses, 30, options);
   ASSERT_GE(firsts.size(), 2u);
   EXPECT_NEAR(static_cast<double>(firsts[1]), 160, 32);
-  EXPECT_THAT(SegmentMotion(poses.leftCols(150), 30, options), ElementsAre(0));
-  EXPECT_THAT(SegmentMotion(poses.leftCols(3), 30, options), ElementsAre(0));
+  EXPECT_THAT(CutMotion(poses.leftCols(150), 30, options), ElementsAre(0));
+  EXPECT_THAT(CutMotion(poses.leftCols(3), 30, options), ElementsAre(0));
 }
 
 TEST(ClusterSegments, BringsSegmentsOfOneKindTogether) {
