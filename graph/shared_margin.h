@@ -20,13 +20,14 @@ struct SharedMargin {
   bool empty() const { return end.empty(); }
 };
 
-/// @param means  of the style of both. @param channel_weights  PoseLayout::ChannelWeights.
+/// @param means  rotations of the style of both. @param channel_weights  (channels) PoseLayout::ChannelWeights, which makes metres and radians compare.
 SharedMargin FindSharedMargin(const MotionPrimitive& from, const MotionPrimitive& to, const PoseLayout& layout, const MeanRotations& means,
                               const Eigen::VectorXd& channel_weights);
 
 /// What a step of whitened value w says of the one after it by this motion alone: A w is the mean of w' ~ N(0, I) given that
 ///   start w' = end w + noise of the given variance,
-/// A = (S^T S + noise I)^-1 S^T E. (E x D)
+/// A = (S^T S + noise I)^-1 S^T E, S of `start` (values x E), E of `end` (values x D).
+/// @param noise_variance  > 0, in the squared unit of the values. @return (E x D).
 Eigen::MatrixXd SharedMarginMap(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start, double noise_variance);
 
 }  // namespace morphograph

@@ -31,7 +31,7 @@ class StepModel {
   /// The same for all channels of a pose.
   Map Pose(double phase) const;
   Map PoseRate(double phase) const;
-  /// As Pose(), of a phase that will be asked for again: it is kept, for as long as the model lives.
+  /// As Pose(), of a phase that will be asked for again: it is kept, for as long as the model lives. For one thread, as KinematicsCache is.
   const Map& KeptPose(double phase) const;
 
  private:
