@@ -19,7 +19,8 @@ struct ClassForestOptions {
 /// target, so each tells two random halves of the classes apart (error-correcting codes: Dietterich & Bakiri 1995), on its own part of the samples and with
 /// features drawn at every node; in its leaves stand the shares of all classes among the samples that fall there. Probabilities are the trees' mean.
 ///
-/// For speed, trees go down together a level at a time, so that their memory is fetched at once and no branch waits; and leaves hold only the classes that fall there, few of many.
+/// For speed, trees go down together a level at a time, so that their memory is fetched at once and no branch waits; and leaves hold only the classes that
+/// fall there, few of many, in 2 % of a leaf's samples or more.
 class ClassForest {
  public:
   /// @param samples  (features x N), finite. @param labels  (N), from 0. @param classes  more than the largest label.

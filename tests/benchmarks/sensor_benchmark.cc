@@ -172,12 +172,14 @@ double MeanOf(const std::vector<double>& values) {
 
 struct Errors {
   std::vector<double> errors_cm, clip_means_cm, without_fingers_cm;
+  std::vector<int> clip_frames;
   double jerk = 0, angle_deg = 0, velocity_cm_s = 0, contacts = 0;
   long long frames = 0;
 
   void Add(const ReconstructionQuality& quality) {
     errors_cm.insert(errors_cm.end(), quality.frame_rms_cm.begin(), quality.frame_rms_cm.end());
     clip_means_cm.push_back(quality.position_rms_cm);
+    clip_frames.push_back(quality.frames);
     jerk += quality.jerk_ratio * quality.frames;
     angle_deg += quality.angle_deg * quality.frames;
     velocity_cm_s += quality.velocity_error_cm_s * quality.frames;
@@ -230,6 +232,27 @@ void PrintKinds(const Outcome& outcome, const Outcome& nearest) {
   double sum = 0;
   for (const double mean : outcome.clip_means_cm) sum += mean;
   std::printf("  every clip counted alike: %.2f cm, median clip %.2f cm\n", sum / static_cast<double>(outcome.clip_means_cm.size()), Median(outcome.clip_means_cm));
+}
+
+// The clips to which the base's nearest poses come within a distance, and the others, which nothing in the base is like.
+void PrintLike(const Outcome& outcome, const Outcome& bound) {
+  constexpr double kLike_cm = 4;
+  double sums[2] = {0, 0}, bounds[2] = {0, 0};
+  long long frames[2] = {0, 0};
+  int clips[2] = {0, 0};
+  for (std::size_t i = 0; i < outcome.clip_means_cm.size(); ++i) {
+    const int side = bound.clip_means_cm[i] <= kLike_cm ? 0 : 1;
+    sums[side] += outcome.clip_frames[i] * outcome.clip_means_cm[i];
+    bounds[side] += outcome.clip_frames[i] * bound.clip_means_cm[i];
+    frames[side] += outcome.clip_frames[i];
+    ++clips[side];
+  }
+  for (const int side : {0, 1}) {
+    if (clips[side] == 0) continue;
+    const auto count = static_cast<double>(frames[side]);
+    std::printf("  %d clips %s %.0f cm of the base's nearest poses: %.2f cm (nearest poses %.2f), %lld frames\n", clips[side],
+                side == 0 ? "within" : "beyond", kLike_cm, sums[side] / count, bounds[side] / count, frames[side]);
+  }
 }
 
 void PrintHistogram(const std::string& name, const Outcome& outcome) {
@@ -332,7 +355,37 @@ class Study {
           (norms - 2 * (base.positions().transpose() * wanted)).minCoeff(&best);
           poses.push_back(base.Pose(best));
         }
-        outcome.Add(CompareWithTruth(base, poses, test.truth));
+        const ReconstructionQuality quality = CompareWithTruth(base, poses, test.truth);
+        outcome.Add(quality);
+        outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
+        if (each_) std::printf("    %-40s %6.2f cm\n", test.name.c_str(), quality.position_rms_cm);
+      }
+    }
+    return outcome;
+  }
+
+  // Of the ends of the paths that olng makes its pose of, the one that is most like the true pose: what no weighing of these paths can better, but by a mean of several.
+  Outcome NearestPath(OlngOptions options) {
+    options.pose = OlngPose::kWeightedMean;
+    Outcome outcome;
+    for (std::size_t s = 0; s < splits_.size(); ++s) {
+      const MotionBase& base = *bases_[s];
+      const auto model = std::make_shared<OlngModel>(bases_[s], options);
+      for (const int i : splits_[s].tests) {
+        const TestClip test = Simulated(recordings_[static_cast<std::size_t>(i)], base, {}, 0);
+        OlngEstimator estimator(model);
+        std::vector<BasePose> poses;
+        for (const BasePose& truth : PosesOf(base, test.truth)) {
+          estimator.Next(test.readings.col(static_cast<Eigen::Index>(poses.size())));
+          const Eigen::VectorXf wanted = MeasuredPositions(base, truth.rotations).cast<float>();
+          int best = estimator.best_paths().front().frame;
+          for (const NeighbourPath& path : estimator.best_paths())
+            if ((base.positions().col(path.frame) - wanted).squaredNorm() < (base.positions().col(best) - wanted).squaredNorm()) best = path.frame;
+          poses.push_back(base.Pose(best));
+        }
+        const ReconstructionQuality quality = CompareWithTruth(base, poses, test.truth);
+        outcome.Add(quality);
+        outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
       }
     }
     return outcome;
@@ -375,13 +428,18 @@ OlngOptions WithPrior(OlngOptions options, PriorKind kind) {
 
 void PlainRows(Study& study, const OlngOptions& options) {
   PrintHead("four accelerometers");
-  const Outcome nearest = study.Nearest({});
-  Print("the base's pose nearest to the true one (a bound)", study.NearestPose(), nearest.mean());
+  const Outcome nearest = study.Nearest({}), bound = study.NearestPose();
+  Print("the base's pose nearest to the true one (a bound)", bound, nearest.mean());
+  PrintKinds(bound, nearest);
+  const Outcome path = study.NearestPath(options);
+  Print("of the paths' ends that nearest to the true one (a bound)", path, nearest.mean());
+  PrintKinds(path, nearest);
   Print("nearest neighbour, no paths", nearest, nearest.mean());
   Print("weighted mean of the paths, no energy", study.Try(WithPose(options, OlngPose::kWeightedMean), {}), nearest.mean());
   const Outcome olng = study.Try(options, {});
   Print("olng", olng, nearest.mean());
   PrintKinds(olng, nearest);
+  PrintLike(olng, bound);
 }
 
 void PriorRows(Study& study, const OlngOptions& options) {

@@ -116,6 +116,25 @@ TEST(ClassForest, TellsClassesApartAndIsSureWhereTheyAre) {
   EXPECT_THROW(ClassForest(samples, {}, 4, {}), std::invalid_argument);
 }
 
+TEST(ClassForest, LeavesRareClassesOutOfALeafButNotAllOfThem) {
+  // Nothing to tell classes by: every tree is one leaf with all samples.
+  const auto probabilities = [](const std::vector<int>& labels, int classes) {
+    const Eigen::MatrixXf same = Eigen::MatrixXf::Zero(2, static_cast<Eigen::Index>(labels.size()));
+    return ClassForest(same, labels, classes, {.trees = 3, .depth = 2}).Probabilities(Eigen::VectorXf::Zero(2));
+  };
+  std::vector<int> labels(300, 0);
+  labels[0] = 1;  // a third of a percent
+  for (int i = 1; i <= 30; ++i) labels[static_cast<std::size_t>(i)] = 2;  // a tenth
+  const Eigen::VectorXf uneven = probabilities(labels, 3);
+  EXPECT_EQ(uneven[1], 0);
+  EXPECT_NEAR(uneven[2], 30.0 / 299, 1e-4);
+  EXPECT_NEAR(uneven.sum(), 1, 1e-4);
+  for (int i = 0; i < 300; ++i) labels[static_cast<std::size_t>(i)] = i % 100;
+  const Eigen::VectorXf even = probabilities(labels, 100);
+  EXPECT_NEAR(even.minCoeff(), 0.01, 1e-4);
+  EXPECT_NEAR(even.maxCoeff(), 0.01, 1e-4);
+}
+
 TEST(MarkerEstimator, FindsAllMarkersAndThePoseOfAWalkThatItHasNotSeen) {
   const auto model = SmallMarkerModel();
   ASSERT_EQ(model->given.size(), 6u);
