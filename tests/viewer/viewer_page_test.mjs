@@ -86,7 +86,7 @@ function largestMove(before, after) {
 }
 
 async function run(page, url) {
-  page.setDefaultTimeout(20_000);
+  page.setDefaultTimeout(60_000);  // a busy machine draws in software, beside other tests
   const host = new URL(url).host;
   const trouble = [];
   const foreign = [];
