@@ -1,8 +1,6 @@
 #include "graph/transition_fit.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
@@ -14,6 +12,7 @@
 #include "graph/internal/kernel_matrix.h"
 #include "graph/internal/kernel_search.h"
 #include "graph/internal/linear_map.h"
+#include "primitives/matrix_factors.h"
 #include "primitives/whitening.h"
 
 namespace morphograph {
@@ -71,17 +70,16 @@ void TakeOut(const PairManner& manner, Whitened* whitened) {
 
 // Symmetric square root, or its inverse, with eigenvalues kept above `floor`.
 Eigen::MatrixXd SymmetricPower(const Eigen::MatrixXd& matrix, double exponent, double floor) {
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("FitTransition: eigen decomposition failed");
-  const Eigen::VectorXd powers = solver.eigenvalues().cwiseMax(floor).array().pow(exponent);
-  return solver.eigenvectors() * powers.asDiagonal() * solver.eigenvectors().transpose();
+  const SymmetricFactors factors = FactorSymmetric(matrix);
+  const Eigen::VectorXd powers = factors.values.cwiseMax(floor).array().pow(exponent);
+  return factors.vectors * powers.asDiagonal() * factors.vectors.transpose();
 }
 
 // A gain of one or more would let walks drift off for ever.
 Eigen::MatrixXd WithGainsUpTo(double largest, const Eigen::MatrixXd& map) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(map, Eigen::ComputeThinU | Eigen::ComputeThinV);
-  const Eigen::VectorXd gains = svd.singularValues().cwiseMin(largest);
-  return svd.matrixU() * gains.asDiagonal() * svd.matrixV().transpose();
+  const SingularFactors factors = FactorSingular(map);
+  const Eigen::VectorXd gains = factors.values.head(factors.u.cols()).cwiseMin(largest);
+  return factors.u * gains.asDiagonal() * factors.v.transpose();
 }
 
 Eigen::MatrixXd ComponentChances(const Whitened& source, const Whitened& target, const GaussianMixture& from,

@@ -1,12 +1,12 @@
 #include "graph/internal/linear_map.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <boost/math/tools/minima.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
-#include <stdexcept>
+
+#include "primitives/matrix_factors.h"
 
 namespace morphograph::internal {
 namespace {
@@ -15,10 +15,9 @@ namespace {
 // of an output and its best c are sums over i.
 LinearRidges ForScale(const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs, const Eigen::VectorXd& scale) {
   const Eigen::MatrixXd scaled = scale.asDiagonal() * inputs;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled.transpose() * scaled);
-  if (solver.info() != Eigen::Success) throw std::runtime_error("SearchLinearRidges: eigen decomposition failed");
-  const Eigen::ArrayXd values = solver.eigenvalues().cwiseMax(0.0);
-  const Eigen::MatrixXd projected = outputs * solver.eigenvectors();
+  const SymmetricFactors factors = FactorSymmetric(scaled.transpose() * scaled);
+  const Eigen::ArrayXd values = factors.values.cwiseMax(0.0);
+  const Eigen::MatrixXd projected = outputs * factors.vectors;
   const double count = static_cast<double>(values.size());
   const double mean_square = std::max(scaled.colwise().squaredNorm().mean(), 1e-12);
   LinearRidges ridges{scale, Eigen::VectorXd(outputs.rows()), Eigen::VectorXd(outputs.rows()), 0};
@@ -54,10 +53,9 @@ LinearRidges SearchLinearRidges(const Eigen::MatrixXd& inputs, const Eigen::Matr
 LinearMap FitLinearMap(const LinearRidges& ridges, const Eigen::MatrixXd& inputs, const Eigen::MatrixXd& outputs,
                     const std::vector<int>& groups) {
   const Eigen::MatrixXd scaled = ridges.scale.asDiagonal() * inputs;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled * scaled.transpose());
-  if (solver.info() != Eigen::Success) throw std::runtime_error("FitLinearMap: eigen decomposition failed");
-  const Eigen::ArrayXd values = solver.eigenvalues().cwiseMax(0.0);
-  const Eigen::MatrixXd turned = solver.eigenvectors().transpose() * scaled;  // (D x N)
+  const SymmetricFactors factors = FactorSymmetric(scaled * scaled.transpose());
+  const Eigen::ArrayXd values = factors.values.cwiseMax(0.0);
+  const Eigen::MatrixXd turned = factors.vectors.transpose() * scaled;  // (D x N)
   std::map<int, std::vector<Eigen::Index>> members;
   for (Eigen::Index i = 0; i < inputs.cols(); ++i) {
     members[groups.empty() ? static_cast<int>(i) : groups[static_cast<size_t>(i)]].push_back(i);
@@ -66,7 +64,7 @@ LinearMap FitLinearMap(const LinearRidges& ridges, const Eigen::MatrixXd& inputs
   for (Eigen::Index e = 0; e < outputs.rows(); ++e) {
     const Eigen::VectorXd gains = (values + ridges.ridge[e]).inverse();
     const Eigen::VectorXd coefficients = gains.cwiseProduct(turned * outputs.row(e).transpose());
-    fit.map.row(e) = (solver.eigenvectors() * coefficients).cwiseProduct(ridges.scale).transpose();
+    fit.map.row(e) = (factors.vectors * coefficients).cwiseProduct(ridges.scale).transpose();
     const Eigen::VectorXd missed = outputs.row(e).transpose() - turned.transpose() * coefficients;
     for (const auto& [group, of_group] : members) {
       const Eigen::MatrixXd part = turned(Eigen::all, of_group);
