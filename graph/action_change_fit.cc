@@ -20,7 +20,8 @@ std::vector<StepWithContacts> CapturedSteps(const TrainingSet& set, const StepCl
   std::vector<StepWithContacts> steps;
   for (size_t m = 0; m < members.members.size(); ++m) {
     if (!set.steps[members.members[m]].steady) continue;
-    steps.push_back({fitted.primitive.Shape(fitted.latents.col(static_cast<Eigen::Index>(m))), fitted.primitive.contacts});
+    const Eigen::VectorXd latent = fitted.latents.col(static_cast<Eigen::Index>(m));
+    steps.push_back({fitted.primitive.Shape(latent), fitted.primitive.Contacts(latent)});
   }
   return steps;
 }

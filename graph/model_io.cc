@@ -111,6 +111,7 @@ json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
           {"contacts", arrays->Doubles(primitive.contacts.topRows(kFootParts))},
           {"contact_motion", arrays->Floats(primitive.contacts.bottomRows(kContactRows - kFootParts).cast<float>())},
           {"mixture", MixtureToJson(primitive, arrays)}};
+  if (primitive.contact_map.size() > 0) value["contact_map"] = arrays->Shorts(primitive.contact_map);
   if (!primitive.manner.empty()) {
     value["manner"] = {{"share", arrays->Doubles(primitive.manner.share)},
                        {"captured", arrays->Shorts(primitive.manner.captured)},
@@ -262,6 +263,7 @@ MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyl
       primitive.contacts.row(kPlantedHeight + 2 * side + 1).setConstant(feet.ball_height_m[side]);
     }
   }
+  if (value.contains("contact_map")) primitive.contact_map = arrays.Floats(value.at("contact_map"));
   if (value.contains("manner")) {  // not in files of version 1
     const json& manner = value.at("manner");
     primitive.manner.share = arrays.Doubles(manner.at("share")).reshaped();

@@ -28,6 +28,9 @@ void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& conte
               std::isfinite(primitive.initial_weight) && primitive.initial_weight >= 0,
           name + "a number is not finite, or negative");
   Require(primitive.contacts.rows() == kContactRows && primitive.contacts.cols() == kPhaseSamples, name + "contacts of the wrong size");
+  const Eigen::MatrixXf& map = primitive.contact_map;
+  Require(map.size() == 0 || (map.rows() == (kContactRows - kFootParts) * kPhaseSamples && map.cols() == primitive.reduction.components() && map.allFinite()),
+          name + "contact_map does not fit the reduction, or holds a number that is not finite");
   const MannerModel& manner = primitive.manner;
   if (manner.empty()) return;
   Require(manner.share.size() == primitive.reduction.components() && manner.captured.rows() == manner.share.size() &&

@@ -6,6 +6,7 @@
 
 #include "datasets/errors.h"
 #include "graph/step_alignment.h"
+#include "graph/step_contacts.h"
 #include "primitives/gaussian_mixture.h"
 #include "primitives/weighted_pca.h"
 #include "primitives/whitening.h"
@@ -14,49 +15,6 @@ namespace morphograph {
 namespace {
 
 constexpr int kExamplesPerComponent = 8;
-
-// What the feet do over the steps of a class, on its canonical timeline: means over the steps in which a part is planted, or over all
-// where it never is.
-class ContactStatistics {
- public:
-  void Add(const PreparedClip& clip, const PoseLayout& layout, const StepSpan& span, const TimeWarp& warp) {
-    const int last = clip.clip.frame_count() - 1;
-    for (int i = 0; i < kPhaseSamples; ++i) {
-      const double at = std::clamp(span.FrameAt(warp(PhaseOfSample(i))), 0.0, static_cast<double>(last));
-      const int nearest = static_cast<int>(std::lround(at));
-      const int low = std::clamp(static_cast<int>(std::floor(at)), 0, std::max(0, last - 1)), high = std::min(low + 1, last);
-      const double t = at - low;
-      const Eigen::Quaterniond heading_from_world = Yaw(-layout.HeadingOf(clip.clip.rotation(nearest, layout.active_joints()[0])));
-      for (int part = 0; part < kFootParts; ++part) {
-        const Eigen::Matrix3Xd& points = (part % 2 == 0 ? clip.contacts.heels : clip.contacts.balls)[part / 2];
-        const bool planted = clip.contacts.planted(part, nearest) != 0;
-        const Eigen::Vector3d slide = heading_from_world * (points.col(high) - points.col(low)) * clip.clip.frame_rate_hz();
-        const Eigen::Vector3d values((1 - t) * points(1, low) + t * points(1, high), slide.x(), slide.z());
-        for (int row = 0; row < 3; ++row) (planted ? planted_ : swung_)(kFootParts * (row + 1) + part, i) += values[row];
-        (planted ? planted_ : swung_)(part, i) += 1;
-      }
-    }
-  }
-
-  ContactProfile Profile() const {
-    ContactProfile profile(kContactRows, kPhaseSamples);
-    for (int i = 0; i < kPhaseSamples; ++i) {
-      for (int part = 0; part < kFootParts; ++part) {
-        const double planted = planted_(part, i), swung = swung_(part, i);
-        profile(part, i) = planted / std::max(1.0, planted + swung);
-        for (int row = 1; row < 4; ++row) {
-          const int at = kFootParts * row + part;
-          profile(at, i) = planted > 0 ? planted_(at, i) / planted : swung_(at, i) / std::max(1.0, swung);
-        }
-      }
-    }
-    return profile;
-  }
-
- private:
-  ContactProfile planted_ = ContactProfile::Zero(kContactRows, kPhaseSamples);  // sums; the first rows count
-  ContactProfile swung_ = planted_;
-};
 
 // What lies outside of the step follows from what lies inside.
 void LightenMargins(int channels, Eigen::VectorXd* weights) {
@@ -82,14 +40,16 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   }
   FittedPrimitive fitted;
   MotionPrimitive& primitive = fitted.primitive;
-  ContactStatistics contacts;
+  std::vector<ContactProfile> contacts;
+  std::vector<int> sources;
   for (const int i : steady) {
     const TrainingStep& step = steps[members.members[i]];
-    contacts.Add(clips[step.clip], layout, step.span, aligned.warps[i]);
+    contacts.push_back(MeasureStepContacts(clips[step.clip], layout, step.span, aligned.warps[i]));
+    sources.push_back(clips[step.clip].source);
     ++primitive.examples;
     if (clips[step.clip].made) ++primitive.made_examples;
   }
-  primitive.contacts = contacts.Profile();
+  primitive.contacts = MeanContacts(contacts);
   const TrainingStep& model_step = steps[members.members[steady.front()]];
   primitive.name = members.primitive;
   primitive.style = members.style;
@@ -118,6 +78,7 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   for (int i = 0; i < count; ++i) fitted.latents.col(i) = pca.Project(vectors.col(i));
 
   const Eigen::MatrixXd steady_latents = fitted.latents(Eigen::all, steady);
+  primitive.contact_map = FitContactMap(contacts, primitive.contacts, steady_latents, sources);
   GaussianMixtureOptions mixture_options;
   // On a handful of points the information criterion takes every point for a component of its own.
   mixture_options.max_components =

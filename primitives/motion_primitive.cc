@@ -5,11 +5,18 @@
 
 namespace morphograph {
 
+namespace {
+
+void CheckLatent(const MotionPrimitive& primitive, const Eigen::VectorXd& latent) {
+  if (latent.size() == primitive.reduction.components()) return;
+  throw std::invalid_argument("MotionPrimitive: latent has " + std::to_string(latent.size()) + " values, " + primitive.name + " has " +
+                              std::to_string(primitive.reduction.components()) + " components");
+}
+
+}  // namespace
+
 StepShape MotionPrimitive::Shape(const Eigen::VectorXd& latent) const {
-  if (latent.size() != reduction.components()) {
-    throw std::invalid_argument("MotionPrimitive::Shape: latent has " + std::to_string(latent.size()) + " values, " + name +
-                                " has " + std::to_string(reduction.components()) + " components");
-  }
+  CheckLatent(*this, latent);
   const Eigen::VectorXd vector = reduction.mean + (reduction.basis * latent.cast<float>()).cast<double>();
   const Eigen::Index pose_values = vector.size() - kTimingValues;
   StepShape shape;
@@ -17,6 +24,15 @@ StepShape MotionPrimitive::Shape(const Eigen::VectorXd& latent) const {
   shape.duration_s = std::exp(vector[pose_values]);
   shape.log_slopes = vector.tail(kWarpKnots);
   return shape;
+}
+
+ContactProfile MotionPrimitive::Contacts(const Eigen::VectorXd& latent) const {
+  if (latent.size() == 0 || contact_map.size() == 0) return contacts;
+  CheckLatent(*this, latent);
+  constexpr int kRows = kContactRows - kFootParts;
+  ContactProfile told = contacts;
+  told.bottomRows<kRows>() += (contact_map * latent.cast<float>()).cast<double>().reshaped(kRows, kPhaseSamples);
+  return told;
 }
 
 }  // namespace morphograph

@@ -57,10 +57,15 @@ struct MotionPrimitive {
   CovarianceForm covariance_form = CovarianceForm::kFull;
   MannerModel manner;         // of the whitened latents
   double latent_radius = 0;  // largest norm of a whitened training latent
-  ContactProfile contacts = ContactProfile::Zero(kContactRows, kPhaseSamples);  // on the canonical timeline, learned
+  ContactProfile contacts = ContactProfile::Zero(kContactRows, kPhaseSamples);  // on the canonical timeline, learned: the mean
+  /// How heights and velocities of planted feet differ from that mean with the latent: deviations, sample after sample, the
+  /// kContactRows - kFootParts rows below the chances, x components. Empty: they do not.
+  Eigen::MatrixXf contact_map;
 
   /// The step that a latent vector stands for. @throws std::invalid_argument if its size is not `components()`.
   StepShape Shape(const Eigen::VectorXd& latent) const;
+  /// What its feet are meant to do; the mean for an empty latent. @throws std::invalid_argument as Shape.
+  ContactProfile Contacts(const Eigen::VectorXd& latent) const;
 };
 
 }  // namespace morphograph

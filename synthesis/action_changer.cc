@@ -47,7 +47,8 @@ std::optional<ChangeTry> ActionChanger::Try(const WalkStep& previous, int style)
         before = std::move(drawn);
       }
       const Foot stance = from.start == KeyframeLabel::kLeftStance ? Foot::kLeft : Foot::kRight;
-      StepWithContacts made = BlendSteps(graph_.layout(), means, stance, {before.shape, from.contacts}, {after->shape, to.contacts});
+      StepWithContacts made = BlendSteps(graph_.layout(), means, stance, {before.shape, from.Contacts(before.step.latent)},
+                                         {after->shape, to.Contacts(after->step.latent)});
       if (!IsWithin(EffortOf(before.shape, made.shape, after->shape, weights), change.captured)) return ChangeTry{std::move(before.step), {}};
       ChangeTry changed{after->step, std::move(made)};
       changed.step.edge = edge;

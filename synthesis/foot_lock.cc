@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kNegligible_m = 1e-6;
 constexpr double kFloorGive_m = 0.005;     // that joints may sink below y = 0: floors are level to half a centimetre
+constexpr double kLeastUpright = 0.5;      // of a leg: the most that a drop makes up for is twice what the leg is short of
 constexpr double kNearlyStraight = 0.985;  // of the leg's length: knees bent by less than some 20 degrees
 
 // One foot over a clip.
@@ -53,7 +54,8 @@ PartTarget TargetOf(int side, int part, const FeetGeometry& feet, const ContactP
   const auto sure = (contacts.row(kPlantedChance + row).transpose().array() - options.loose_chance) / (1 - options.loose_chance);
   const Eigen::ArrayXd t = sure.max(0).min(1);
   target.hold = t.square() * (3 - 2 * t);
-  target.height_m = standing + options.rolling * (contacts.row(kPlantedHeight + row).transpose().array() - standing);
+  target.height_m.resize(frames);
+  for (Eigen::Index f = 0; f < frames; ++f) target.height_m[f] = HeldHeight_m(standing, contacts(kPlantedHeight + row, f), options);
   target.slide_m = Eigen::Matrix3Xd::Zero(3, frames);
   for (Eigen::Index f = 0; f + 1 < frames; ++f) {
     const auto between = [&](int first) { return 0.5 * (contacts(first + row, f) + contacts(first + row, f + 1)); };
@@ -105,13 +107,48 @@ Eigen::Matrix3Xd Shifts(const FootPath& path, const PartTarget (&targets)[2], do
   return shifts;
 }
 
-// A target for an ankle that stretches the leg no further than part of the way from where it is to straight: close to straight, millimetres
-// of the ankle are centimetres of the knee.
-Eigen::Vector3d WithinReach(const Eigen::Vector3d& hip, const Eigen::Vector3d& ankle, const Eigen::Vector3d& target, double length_m, double stretch) {
-  const double before = (ankle - hip).norm(), wanted = (target - hip).norm();
-  const double limit = before + stretch * std::max(0.0, length_m - before);
-  if (wanted <= limit || !(wanted > 0)) return target;
-  return hip + limit / wanted * (target - hip);
+// How far an ankle may be from the hip: close to straight, millimetres of the ankle are centimetres of the knee.
+double Reach_m(double distance_m, double length_m, double stretch) { return distance_m + stretch * std::max(0.0, length_m - distance_m); }
+
+Eigen::Vector3d WithinReach(const Eigen::Vector3d& hip, const Eigen::Vector3d& target, double reach_m) {
+  const double wanted = (target - hip).norm();
+  if (wanted <= reach_m || !(wanted > 0)) return target;
+  return hip + reach_m / wanted * (target - hip);
+}
+
+// One foot, and what is to become of it.
+struct LockedFoot {
+  LegIk leg;
+  FootPath path;
+  PartTarget targets[2];  // heel, ball
+  Eigen::Matrix3Xd shifts;
+
+  double reach_m(int f, const FootLockOptions& options) const {
+    return Reach_m((path.ankles.col(f) - path.hips.col(f)).norm(), leg.length_m(), options.stretch);
+  }
+};
+
+// How far the body comes down in every frame, so that legs that are nearly straight reach the floor with their planted feet.
+Eigen::VectorXd Drops(const std::vector<LockedFoot>& feet, double rate_hz, const FootLockOptions& options) {
+  const int frames = static_cast<int>(feet.front().shifts.cols());
+  const double smooth = std::pow(options.ease_s * rate_hz, 4);
+  internal::PentadiagonalSystem system(frames);
+  Eigen::VectorXd drops = Eigen::VectorXd::Zero(frames);
+  for (int f = 0; f < frames; ++f) {
+    system.Add<1>(1, f, {1});
+    for (const LockedFoot& foot : feet) {
+      const Eigen::Vector3d leg = foot.path.hips.col(f) - foot.path.ankles.col(f) - foot.shifts.col(f);
+      const double length = leg.norm(), missing = length - foot.reach_m(f, options);
+      if (missing <= 0) continue;
+      const double weight = options.level * std::max(foot.targets[0].hold[f], foot.targets[1].hold[f]);
+      system.Add<1>(weight, f, {1});
+      drops[f] += weight * missing / std::max(kLeastUpright, leg.y() / length);
+    }
+    if (f + 2 < frames) system.Add<3>(smooth, f, {1, -2, 1});
+  }
+  system.Factor();
+  system.Solve(&drops);
+  return drops.cwiseMax(0);
 }
 
 }  // namespace
@@ -122,22 +159,30 @@ void LockFeet(const FeetGeometry& feet, const PoseLayout& layout, const ContactP
   const double rate_hz = clip->frame_rate_hz();
   std::vector<double> headings;
   for (int f = 0; f < frames; ++f) headings.push_back(layout.HeadingOf(clip->rotation(f, layout.active_joints()[0])));
+  std::vector<LockedFoot> locked;
   for (int side = 0; side < 2; ++side) {
-    const LegIk leg(clip->skeleton(), side == 0 ? Foot::kLeft : Foot::kRight);
-    const FootPath path = PathOf(leg, feet.heel_offset_m[side], *clip);
-    const PartTarget targets[2] = {TargetOf(side, 0, feet, contacts, headings, rate_hz, options),
-                                   TargetOf(side, 1, feet, contacts, headings, rate_hz, options)};
-    const Eigen::Matrix3Xd shifts = Shifts(path, targets, rate_hz, options);
+    LockedFoot& foot = locked.emplace_back(LockedFoot{LegIk(clip->skeleton(), side == 0 ? Foot::kLeft : Foot::kRight), {}, {}, {}});
+    foot.path = PathOf(foot.leg, feet.heel_offset_m[side], *clip);
+    for (int part = 0; part < 2; ++part) foot.targets[part] = TargetOf(side, part, feet, contacts, headings, rate_hz, options);
+    foot.shifts = Shifts(foot.path, foot.targets, rate_hz, options);
     for (int f = 0; f < frames; ++f) {
-      Eigen::Vector3d shift = shifts.col(f);
       // No heel or ball comes lower than captured ones do, nor through the floor.
-      const double above = std::min(path.parts[0](1, f) - std::max(feet.heel_lowest_m[side], -kFloorGive_m),
-                                    path.parts[1](1, f) - std::max(feet.ball_lowest_m[side], -kFloorGive_m));
-      shift.y() = std::max(shift.y(), -above);
+      const double above = std::min(foot.path.parts[0](1, f) - std::max(feet.heel_lowest_m[side], -kFloorGive_m),
+                                    foot.path.parts[1](1, f) - std::max(feet.ball_lowest_m[side], -kFloorGive_m));
+      foot.shifts(1, f) = std::max(foot.shifts(1, f), -above);
+    }
+  }
+  const Eigen::VectorXd drops = Drops(locked, rate_hz, options);
+  clip->root_positions().row(1) -= drops.transpose();
+  for (const LockedFoot& foot : locked) {
+    for (int f = 0; f < frames; ++f) {
+      const Eigen::Vector3d ankle = foot.path.ankles.col(f), shift = foot.shifts.col(f);
+      const Eigen::Vector3d hip = foot.path.hips.col(f) - drops[f] * Eigen::Vector3d::UnitY();
       // Most of every swing needs nothing, unless the leg is so straight that its knee might be bent back.
-      const bool straight = (path.ankles.col(f) - path.hips.col(f)).norm() > kNearlyStraight * leg.length_m();
-      if (!straight && shift.squaredNorm() < kNegligible_m * kNegligible_m) continue;
-      leg.Solve(WithinReach(path.hips.col(f), path.ankles.col(f), path.ankles.col(f) + shift, leg.length_m(), options.stretch), std::nullopt, clip->root_positions().col(f), &clip->rotation(f, 0));
+      const bool straight = (ankle - foot.path.hips.col(f)).norm() > kNearlyStraight * foot.leg.length_m();
+      if (!straight && shift.norm() + drops[f] < kNegligible_m) continue;
+      foot.leg.Solve(WithinReach(hip, ankle + shift, foot.reach_m(f, options)), std::nullopt, clip->root_positions().col(f),
+                     &clip->rotation(f, 0));
     }
   }
 }

@@ -25,8 +25,8 @@ std::vector<StepTrack> LayOut(const MotionGraph& graph, const std::vector<DrawnS
     // The last step, where it ends the walk, is followed by its margin.
     const int last = k + 1 < walk.size() ? std::min(frames, static_cast<int>(std::ceil(walk[k].end + after))) : frames;
     const MotionPrimitive& primitive = graph.primitive(walk[k].step.primitive);
-    tracks.push_back(LayOutStep(primitive.style_index, walk[k].shape, walk[k].contacts.value_or(primitive.contacts), walk[k].start, rate_hz,
-                                first, std::max(first, last)));
+    const ContactProfile contacts = walk[k].contacts ? *walk[k].contacts : primitive.Contacts(walk[k].step.latent);
+    tracks.push_back(LayOutStep(primitive.style_index, walk[k].shape, contacts, walk[k].start, rate_hz, first, std::max(first, last)));
     ToLogMaps(graph.layout(), graph.styles()[primitive.style_index].mean_rotations, &tracks.back());
   }
   return tracks;

@@ -33,7 +33,7 @@ struct DrawnStep {
   StepShape shape;
   double start = 0;
   double end = 0;
-  std::optional<ContactProfile> contacts = {};  // of a made step; others have those of their primitive
+  std::optional<ContactProfile> contacts = {};  // of a made step; others have those that their latent tells
 };
 
 struct DrawnWalk {

@@ -9,6 +9,7 @@
 
 #include "datasets/forward_kinematics.h"
 #include "datasets/leg_ik.h"
+#include "primitives/whitening.h"
 #include "synthesis/control/floor_area.h"
 #include "synthesis/control/foot_landings.h"
 #include "synthesis/control/residuals/reach_residual.h"
@@ -156,7 +157,8 @@ void WalkTerms::AddReach() {
   const FeetGeometry& feet = problem_.graph.styles()[static_cast<size_t>(problem_.style)].feet;
   const double leg_m[2] = {LegIk(problem_.graph.skeleton(), Foot::kLeft).length_m(), LegIk(problem_.graph.skeleton(), Foot::kRight).length_m()};
   for (size_t k = 0; k < walk_.steps.size(); ++k) {
-    const ContactProfile& contacts = problem_.graph.primitive(walk_.steps[k].primitive).contacts;
+    const MotionPrimitive& primitive = problem_.graph.primitive(walk_.steps[k].primitive);
+    const ContactProfile contacts = primitive.Contacts(Colour(primitive.mixture.Component(walk_.steps[k].component), walk_.latents[k]));
     std::vector<PlantedMoment> moments;
     for (int sample = 0; sample < kPhaseSamples && PhaseOfSample(sample) < 1; ++sample) {
       if (PhaseOfSample(sample) < 0 || sample % kReachSamples != 1) continue;
@@ -167,7 +169,7 @@ void WalkTerms::AddReach() {
           const double sure = std::clamp((contacts(kPlantedChance + row, sample) - lock.loose_chance) / (1 - lock.loose_chance), 0.0, 1.0);
           const double standing = part == 0 ? feet.heel_height_m[side] : feet.ball_height_m[side];
           moment.hold[part] = sure * sure * (3 - 2 * sure);
-          moment.height_m[part] = standing + lock.rolling * (contacts(kPlantedHeight + row, sample) - standing);
+          moment.height_m[part] = HeldHeight_m(standing, contacts(kPlantedHeight + row, sample), lock);
         }
         if (moment.hold[0] + moment.hold[1] > kReachHold) moments.push_back(std::move(moment));
       }

@@ -100,11 +100,23 @@ TEST(MotionGraph, RefusesPartsThatDoNotFit) {
   EXPECT_THAT(refusal([](GraphContents* c) { c->edges[0].model.residual_component.at(0) = 99; }), HasSubstr("edge 0: a residual"));
   EXPECT_THAT(refusal([](GraphContents* c) { c->edges[1].model.linear(0, 0) = std::nanf(""); }), HasSubstr("edge 1"));
   EXPECT_THAT(refusal([](GraphContents* c) { c->primitives[0].latent_radius = -1; }), HasSubstr("negative"));
+  EXPECT_THAT(refusal([](GraphContents* c) { c->primitives[0].contact_map.setZero(7, c->primitives[0].reduction.components()); }), HasSubstr("contact_map"));
   EXPECT_THAT(refusal([](GraphContents* c) {
                 std::vector<int> active = c->layout.active_joints();
                 active.back() = active.front();
                 c->layout = PoseLayout(c->layout.shared_skeleton(), active);
               }), HasSubstr("stands twice"));
+}
+
+TEST(ModelIo, KeepsWhatLatentsTellOfTheFeet) {
+  GraphContents contents = ContentsOf(*testing::SmallModel());
+  MotionPrimitive& primitive = contents.primitives[0];
+  primitive.contact_map.setZero((kContactRows - kFootParts) * kPhaseSamples, primitive.reduction.components());
+  primitive.contact_map(5, 0) = 0.25f;
+  const auto read = ParseModel(SerialiseModel(MotionGraph(contents, "")), "some.mgm");
+  EXPECT_EQ(read->primitive(0).contact_map, primitive.contact_map);
+  primitive.contact_map.resize(0, 0);  // as in files that are older
+  EXPECT_EQ(ParseModel(SerialiseModel(MotionGraph(contents, "")), "some.mgm")->primitive(0).contact_map.size(), 0);
 }
 
 TEST(ModelIo, VersionZeroDoesNotExist) {

@@ -66,6 +66,34 @@ TEST_F(FootLockTest, LiftsFeetThatComeLowerThanCapturedOnes) {
   }
 }
 
+TEST_F(FootLockTest, LowersTheBodyWhereLegsAreTooStraightToReachTheFloor) {
+  clip_->root_positions().row(1).array() += 0.05;
+  const MotionClip before = *clip_;
+  // Legs that must not be stretched at all: what is missing is the body's to give.
+  Lock({.stretch = 0});
+  const Eigen::VectorXd drops = (before.root_positions() - clip_->root_positions()).row(1);
+  EXPECT_GE(drops.minCoeff(), 0);
+  EXPECT_GT(drops.maxCoeff(), 0.03);
+  EXPECT_LT(drops.maxCoeff(), 0.1);
+  // Smoothly: no frame falls by more than a centimetre beyond what its neighbours do.
+  for (int f = 1; f + 1 < before.frame_count(); ++f) {
+    EXPECT_LT(std::abs(drops[f - 1] - 2 * drops[f] + drops[f + 1]), 0.01) << f;
+  }
+  double high = 0, was_high = 0;
+  int count = 0;
+  for (int side = 0; side < 2; ++side) {
+    const FootPoints now = PointsOf(*clip_, feet_, side), then = PointsOf(before, feet_, side);
+    for (int f = 2; f + 3 < before.frame_count(); ++f) {
+      if (contacts_.row(2 * side + 1).segment(f - 2, 6).minCoeff() < 1) continue;
+      high += now.balls(1, f) - feet_.ball_height_m[side], was_high += then.balls(1, f) - feet_.ball_height_m[side];
+      ++count;
+    }
+  }
+  ASSERT_GT(count, 10);
+  EXPECT_GT(was_high / count, 0.045);
+  EXPECT_LT(high / count, 0.015);
+}
+
 TEST_F(FootLockTest, HoldsPlantedBallsOnTheirSpot) {
   // The root slides sideways under the feet, 10 cm/s.
   for (int f = 0; f < clip_->frame_count(); ++f) clip_->root_positions()(0, f) += 0.1 * f / clip_->frame_rate_hz();
