@@ -98,7 +98,7 @@ TEST(PoseLayer, LeansForAPointThatTheArmAloneMisses) {
   const double reach = (before.positions.col(elbow) - before.positions.col(shoulder)).norm() + (before.positions.col(wrist) - before.positions.col(elbow)).norm();
   const double heading = HeadingRad(Walk(), frame);
   const Eigen::Vector3d ahead = (Eigen::Vector3d(std::sin(heading), 0, std::cos(heading)) - Eigen::Vector3d(0, 0.4, 0)).normalized();
-  const Eigen::Vector3d target = before.positions.col(shoulder) + (reach + 0.06) * ahead;
+  const Eigen::Vector3d target = before.positions.col(shoulder) + (reach + 0.09) * ahead;
   MotionClip clip = Walk();
   ApplyPoseGoal({wrist, frame, frame, [&](int, const WorldPose&) { return target; }, nullptr}, Walk(), &clip);
   const WorldPose pose = ForwardKinematics(clip, frame);
