@@ -15,6 +15,7 @@ namespace {
 
 constexpr float kLeastShare = 0.05f;   // less likely clusters have no say
 constexpr std::size_t kErrorSamples = 1500;  // of a cluster, for its readings' errors
+constexpr double kLeastActivity = 0.01;     // a body that stands still is not pinned for good
 constexpr double kBlendPriorSamples = 20;   // a cluster's covariance is drawn to that within all clusters as by so many samples
 
 }  // namespace
@@ -23,8 +24,8 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
     : options(given), frame_rate_hz(base.frame_rate_hz()), channels(base), reduction(channels.Vectors(base), given.reduction) {
   if (options.reduction.kind != ReductionKind::kPca) throw std::invalid_argument("GaussianModel: poses must be reduced by PCA");
   if (options.smoothness_weight < 0 || options.control_weight < 0 || !(options.smoothness_unit > 0) || options.max_iterations < 1 || options.control_readings < 1 || options.control_stride < 1 ||
-      !(options.surprise_s >= 0))
-    throw std::invalid_argument("GaussianModel: weights and times must not be negative, the smoothness unit positive; an iteration, a reading and a frame between them are needed");
+      !(options.surprise_s >= 0) || !(options.activity_power >= 0))
+    throw std::invalid_argument("GaussianModel: weights, times and powers must not be negative, the smoothness unit positive; an iteration, a reading and a frame between them are needed");
   const Eigen::MatrixXf coordinates = reduction.Coordinates(channels.Vectors(base), options.jobs);
   clusters = ClusterPoses(base, coordinates, options.clusters, options.jobs);
   const Eigen::Index components = coordinates.rows(), frames = coordinates.cols();
@@ -76,7 +77,13 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
   for (auto& map : learned) readings.push_back(std::move(*map));
 
   changes.setZero(components);
-  long long count = 0;
+  long long count = 0, followed = 0;
+  for (Eigen::Index f = 1; f < frames; ++f) {
+    if (!base.follows(f)) continue;
+    reading_change_m_s2 += static_cast<double>((base.accelerations().col(f) - base.accelerations().col(f - 1)).squaredNorm());
+    ++followed;
+  }
+  reading_change_m_s2 = std::max(std::sqrt(reading_change_m_s2 / static_cast<double>(std::max(followed, 1LL) * values)), 1e-6);
   for (Eigen::Index f = 2; f < frames; ++f) {
     if (base.clip_of(f) != base.clip_of(f - 2)) continue;
     const auto damping = static_cast<float>(options.damping);
@@ -87,8 +94,8 @@ GaussianModel::GaussianModel(const MotionBase& base, const GaussianOptions& give
 }
 
 GaussianPoseCost::GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected,
-                                   double surprise)
-    : model_(model), shares_(shares), readings_(readings), expected_(expected) {
+                                   double surprise, double activity)
+    : model_(model), shares_(shares), readings_(readings), expected_(expected), activity_(activity) {
   // What is below the limit fades out; a share that jumped to 0 would be seen.
   shares_ = (shares_.array() - std::min(kLeastShare, 0.5f * shares_.maxCoeff())).max(0);
   shares_ /= shares_.sum();
@@ -126,7 +133,7 @@ bool GaussianPoseCost::operator()(const double* coordinates, double* residuals, 
   const Eigen::Map<const Eigen::VectorXd> z(coordinates, components);
   Eigen::Map<Eigen::VectorXd> r(residuals, rows);
   r.head(components) = whitening_ * (z - mean_);
-  const Eigen::ArrayXd smoothness = std::sqrt(model_.options.smoothness_weight) / model_.changes.array();
+  const Eigen::ArrayXd smoothness = std::sqrt(model_.options.smoothness_weight) / (activity_ * model_.changes.array());
   if (smooth > 0) r.segment(components, smooth) = smoothness * (z - expected_).array();
   Eigen::VectorXf expected_reading = Eigen::VectorXf::Zero(values);
   Eigen::MatrixXf slope = Eigen::MatrixXf::Zero(values, jacobian ? components : 0), of_cluster;
@@ -164,20 +171,27 @@ BasePose GaussianEstimator::Next(const Eigen::VectorXd& reading) {
   Eigen::VectorXd expected;
   if (before_.size() > 0) expected = last_ + model_->options.damping * (last_ - before_);
   const Eigen::Index frames = recent_.cols();
-  if (count_ == 0) recent_.colwise() = values;
+  const double memory = 1 / std::max(1.0, model_->options.surprise_s * model_->frame_rate_hz);
+  if (count_ == 0) {
+    recent_.colwise() = values;
+  } else if (model_->options.surprise_s > 0) {
+    const double change = static_cast<double>((values - recent_.col((count_ - 1) % frames)).squaredNorm()) / static_cast<double>(values.size());
+    activity_ += (change / (model_->reading_change_m_s2 * model_->reading_change_m_s2) - activity_) * memory;
+  }
   recent_.col(count_++ % frames) = values;
   Eigen::VectorXf readings(values.size() * model_->options.control_readings);
   for (int n = 0; n < model_->options.control_readings; ++n)
     readings.segment(n * values.size(), values.size()) = recent_.col((count_ - 1 + frames - n * model_->options.control_stride) % frames);
   const double surprise = std::max(surprise_, 1.0);
   const Eigen::VectorXf& shares = filter_.Next(values, std::pow(surprise, model_->options.surprise_evidence_power));
-  const GaussianPoseCost cost(*model_, shares, readings, expected, std::pow(surprise, model_->options.surprise_control_power));
+  const GaussianPoseCost cost(*model_, shares, readings, expected, std::pow(surprise, model_->options.surprise_control_power),
+                              std::pow(std::max(activity_, kLeastActivity), 0.5 * model_->options.activity_power));
   Eigen::VectorXd coordinates = expected.size() > 0 ? expected : cost.mean();
   ceres::TinySolver<GaussianPoseCost> solver;
   solver.options.max_num_iterations = model_->options.max_iterations;
   solver.options.parameter_tolerance = 1e-5;
   solver.Solve(cost, &coordinates);
-  if (model_->options.surprise_s > 0) surprise_ += (cost.Surprise(coordinates) - surprise_) / std::max(1.0, model_->options.surprise_s * model_->frame_rate_hz);
+  if (model_->options.surprise_s > 0) surprise_ += (cost.Surprise(coordinates) - surprise_) * memory;
   before_ = last_;
   last_ = coordinates;
   return model_->channels.Pose(model_->reduction.Pose(coordinates));

@@ -14,7 +14,7 @@ namespace morphograph {
 struct GaussianOptions {
   PoseReductionOptions reduction;
   PoseClusterOptions clusters;
-  RadialBasisOptions map{.centres = 60, .ridge = 1e-2};  // from poses to readings
+  RadialBasisOptions map{.centres = 60, .ridge = 2e-3, .ridge_samples = 20};  // from poses to readings
   ClusterChoice choice = ClusterChoice::kFiltered;
   double evidence = 0.3;
   double smoothness_weight = 0.2, control_weight = 0.8;  // Xie's omega_s, omega_c
@@ -29,6 +29,9 @@ struct GaussianOptions {
   double surprise_s = 1;
   double surprise_control_power = 0.6;   // to which that is taken in the control term …
   double surprise_evidence_power = 1.5;  // … and in what tells clusters
+  /// Power of how much more readings change from frame to frame, over the same time, than those of the base do: so much larger is the unit of the
+  /// smoothness term. 0: it is the same for slow motion and quick.
+  double activity_power = 0.75;
   int jobs = 1;
 };
 
@@ -47,6 +50,7 @@ struct GaussianModel {
   std::vector<RadialBasisMap> readings;      // G_j: from coordinates to what sensors read now and before, latest first
   std::vector<Eigen::MatrixXd> reading_errors;  // covariance of what it leaves
   Eigen::VectorXd changes;                   // (components): unit of the smoothness term
+  double reading_change_m_s2 = 0;            // root mean square of readings' change from one frame to the next
 };
 
 /// Poses from readings by optimisation (Xie 6.2): the pose q of least
@@ -61,6 +65,8 @@ struct GaussianModel {
 /// they change gradually. A body unlike those of the base reads otherwise than G says by far more than sensors there do, and every reading would jolt the pose: how much more is watched
 /// (a running mean), and the third term and what tells clusters count less by a power of it. A noise of that size would have 1 for both; but errors go on from frame to frame, which
 /// hurts clusters more (they switch) and the pose less.
+/// The second term's unit follows how quick the motion is: readings that change half as much as those of the base come
+/// from a motion whose own changes are that much smaller.
 /// The motion carried on is damped. Coordinates are common to all clusters, so q may leave any one of them.
 class GaussianEstimator : public PoseEstimator {
  public:
@@ -74,6 +80,7 @@ class GaussianEstimator : public PoseEstimator {
   Eigen::Index count_ = 0;
   Eigen::VectorXd last_, before_;  // coordinates; empty at the start
   double surprise_ = 1;
+  double activity_ = 1;  // mean square of readings' changes of late, in those of the base
 };
 
 /// The terms above as residuals of coordinates, for a solver. Public for tests.
@@ -85,7 +92,9 @@ class GaussianPoseCost {
   /// @param shares  probability of each cluster, (clusters). @param expected  where the motion before leads; empty at the start.
   /// @param readings  as GaussianModel::readings say them: the latest first.
   /// @param surprise  variance of readings' errors, times that in the base, 1 or more.
-  GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected, double surprise = 1);
+  /// @param activity  what the unit of the smoothness term is multiplied with, positive.
+  GaussianPoseCost(const GaussianModel& model, const Eigen::VectorXf& shares, const Eigen::VectorXf& readings, const Eigen::VectorXd& expected,
+                   double surprise = 1, double activity = 1);
   int NumResiduals() const;
   int NumParameters() const { return static_cast<int>(mean_.size()); }
   const Eigen::VectorXd& mean() const { return mean_; }
@@ -101,6 +110,7 @@ class GaussianPoseCost {
   Eigen::MatrixXd whitening_;          // L^-1 of the poses' covariance L L^T
   Eigen::MatrixXd reading_whitening_;  // of the readings' errors
   double control_scale_ = 1;           // that it is multiplied with
+  double activity_;
 };
 
 }  // namespace morphograph

@@ -11,8 +11,8 @@ namespace morphograph {
 RadialBasisMap::RadialBasisMap(const Eigen::MatrixXf& inputs, const Eigen::MatrixXf& outputs, const RadialBasisOptions& options) {
   const Eigen::Index samples = inputs.cols();
   if (samples < 1 || outputs.cols() != samples || inputs.rows() < 1) throw std::invalid_argument("RadialBasisMap: inputs and outputs of as many samples, one or more, are needed");
-  if (options.centres < 1 || options.neighbours < 1 || !(options.width > 0) || !(options.ridge > 0))
-    throw std::invalid_argument("RadialBasisMap: centres, neighbours, width and ridge must be positive");
+  if (options.centres < 1 || options.neighbours < 1 || !(options.width > 0) || !(options.ridge > 0) || !(options.ridge_samples >= 0))
+    throw std::invalid_argument("RadialBasisMap: centres, neighbours, width and ridge must be positive, ridge_samples 0 or more");
   mean_ = inputs.rowwise().mean();
   const Eigen::MatrixXf centred = inputs.colwise() - mean_;
   // No more centres than a quarter of the samples, or the residual would say nothing of other samples.
@@ -39,9 +39,10 @@ RadialBasisMap::RadialBasisMap(const Eigen::MatrixXf& inputs, const Eigen::Matri
   for (Eigen::Index s = 0; s < samples; ++s) basis.col(s) << 1, centred.col(s), Basis(centred.col(s)).matrix();
   Eigen::MatrixXd gram = (basis * basis.transpose()).cast<double>();
   const auto n = static_cast<double>(samples);
+  const double ridge = options.ridge + options.ridge_samples / n;
   gram.diagonal()[0] += 1e-9 * n;
-  gram.diagonal().segment(1, inputs.rows()).array() += options.ridge * n * static_cast<double>(spread) * static_cast<double>(spread) / static_cast<double>(inputs.rows());
-  gram.diagonal().tail(count).array() += options.ridge * n;
+  gram.diagonal().segment(1, inputs.rows()).array() += ridge * n * static_cast<double>(spread) * static_cast<double>(spread) / static_cast<double>(inputs.rows());
+  gram.diagonal().tail(count).array() += ridge * n;
   const Eigen::LLT<Eigen::MatrixXd> factor(gram);
   if (factor.info() != Eigen::Success) throw std::invalid_argument("RadialBasisMap: samples are not finite");
   weights_ = factor.solve((basis * outputs.transpose()).cast<double>()).transpose().cast<float>();

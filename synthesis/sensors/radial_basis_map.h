@@ -9,6 +9,8 @@ struct RadialBasisOptions {
   int neighbours = 8;      // of a centre, whose mean distance is its width (density: Xie 5.3.1)
   double width = 2;        // times that distance
   double ridge = 1e-4;     // on the weights, times the samples: a map through every noisy sample would be worth nothing
+  /// Added to the ridge, over the number of samples: so many samples that say nothing. Few samples are then held down more than many.
+  double ridge_samples = 0;
 };
 
 /// y = offset + slope x + sum_i w_i exp(-|x - c_i|^2 / s_i^2) (Xie Eq. 5.8, 5.9; Powell 1992), fitted by ridge regression.

@@ -217,8 +217,10 @@ int main(int argc, char** argv) {
   app.add_option("--g-surprise", gaussian.surprise_s, "seconds over which readings' errors are watched");
   app.add_option("--g-control-power", gaussian.surprise_control_power, "of what is then found");
   app.add_option("--g-evidence-power", gaussian.surprise_evidence_power, "the same, for clusters");
+  app.add_option("--g-activity-power", gaussian.activity_power, "of how quick the motion is, in the unit of smoothness");
   app.add_option("--g-unit", gaussian.smoothness_unit, "of smoothness");
   app.add_option("--g-ridge", gaussian.map.ridge, "of a map, gaussian");
+  app.add_option("--g-ridge-samples", gaussian.map.ridge_samples, "the same, over the number of samples");
   app.add_option("--fit-frames", rbf.clusters.fit_frames, "frames of clusters");
   CLI11_PARSE(app, argc, argv);
   rbf.jobs = gaussian.jobs = 2;

@@ -89,6 +89,24 @@ TEST(GaussianEstimator, TrustsReadingsLessThatItCannotExplain) {
   EXPECT_LT(quality.position_rms_cm, 1.05 * jolted.position_rms_cm);
 }
 
+// Readings that hardly change come from a body that hardly moves.
+TEST(GaussianEstimator, JoltsSlowMotionLess) {
+  const MotionClip walk = testing::UnseenWalk();
+  Eigen::MatrixXd readings = VirtualAccelerations(walk, SmallBase().sensors(), 30).values;
+  const Eigen::VectorXd usual = readings.rowwise().mean();
+  readings = (0.3 * (readings.colwise() - usual)).colwise() + usual;
+  const auto jerk_of = [&](const GaussianOptions& options) {
+    GaussianEstimator estimator(std::make_shared<const GaussianModel>(SmallBase(), options));
+    std::vector<BasePose> poses;
+    for (int f = 0; f < walk.frame_count(); ++f) poses.push_back(estimator.Next(readings.col(f)));
+    poses.erase(poses.begin(), poses.begin() + 20);
+    return CompareWithTruth(SmallBase(), poses, walk.Slice(20, walk.frame_count() - 20)).jerk_ratio;
+  };
+  GaussianOptions even = SmallGaussian();
+  even.activity_power = 0;
+  EXPECT_LT(jerk_of(SmallGaussian()), 0.9 * jerk_of(even));
+}
+
 TEST(GaussianEstimator, SaysWhatIsWrong) {
   GaussianEstimator estimator(SmallGaussianModel());
   EXPECT_THROW(estimator.Next(Eigen::VectorXd::Zero(5)), std::invalid_argument);
@@ -97,6 +115,9 @@ TEST(GaussianEstimator, SaysWhatIsWrong) {
   EXPECT_THROW(GaussianModel(SmallBase(), options), std::invalid_argument);
   options = SmallGaussian();
   options.surprise_s = -1;
+  EXPECT_THROW(GaussianModel(SmallBase(), options), std::invalid_argument);
+  options = SmallGaussian();
+  options.activity_power = -1;
   EXPECT_THROW(GaussianModel(SmallBase(), options), std::invalid_argument);
   options = SmallGaussian();
   options.control_stride = 0;
