@@ -19,7 +19,7 @@ namespace {
 constexpr int kForestBins = 64;
 // Classes with less than this share of a leaf's samples are left out of it: in most leaves one sample or two, which
 // take as long to add up as classes that matter.
-constexpr float kLeastShare = 0.02F;
+constexpr float kLeastLeafShare = 0.02F;
 
 void CheckXgboost(int status) {
   if (status != 0) throw std::runtime_error(std::string("XGBoost: ") + XGBGetLastError());
@@ -142,7 +142,7 @@ ClassForest::ClassForest(const Eigen::MatrixXf& samples, const std::vector<int>&
     if (of_leaf.empty()) of_leaf.assign(static_cast<std::size_t>(classes), 1);  // nothing fell there
     float sum = 0;
     for (const float samples_of : of_leaf) sum += samples_of;
-    const float least = std::min(kLeastShare * sum, *std::max_element(of_leaf.begin(), of_leaf.end()));
+    const float least = std::min(kLeastLeafShare * sum, *std::max_element(of_leaf.begin(), of_leaf.end()));
     sum = 0;
     for (float& samples_of : of_leaf) {
       if (samples_of < least) samples_of = 0;
