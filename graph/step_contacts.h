@@ -19,7 +19,8 @@ ContactProfile MeasureStepContacts(const PreparedClip& clip, const PoseLayout& l
 ContactProfile MeanContacts(const std::vector<ContactProfile>& steps);
 
 /// What of the steps' planted feet follows from their latents, as MotionPrimitive::contact_map has it: ridge regression of the deviations
-/// from the mean while planted. Heights and velocities of each part of the feet have a ridge of their own, the one that predicts clips best
+/// from the mean, 0 where a part is not planted. So where few steps are planted, as at landing and lifting, a map says less than those few
+/// alone would: about their share of it. Heights and velocities of each part of the feet have a ridge of their own, the one that predicts clips best
 /// which it has not seen; those that none predicts better than the mean are zero.
 ///
 /// @param latents  (components x steps). @param clips  per step the captured clip that it comes from; copies come from the same.

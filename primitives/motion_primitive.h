@@ -64,7 +64,7 @@ struct MotionPrimitive {
 
   /// The step that a latent vector stands for. @throws std::invalid_argument if its size is not `components()`.
   StepShape Shape(const Eigen::VectorXd& latent) const;
-  /// What its feet are meant to do; the mean for an empty latent. @throws std::invalid_argument as Shape.
+  /// What its feet are meant to do; the mean for an empty latent or map. @throws std::invalid_argument as Shape, where there is a map.
   ContactProfile Contacts(const Eigen::VectorXd& latent) const;
 };
 

@@ -14,6 +14,7 @@ namespace {
 constexpr double kNegligible_m = 1e-6;
 constexpr double kFloorGive_m = 0.005;     // that joints may sink below y = 0: floors are level to half a centimetre
 constexpr double kLeastUpright = 0.5;      // of a leg: the most that a drop makes up for is twice what the leg is short of
+constexpr double kLargestDrop_m = 0.05;    // a foot that is further up does not stand, whatever its chance
 constexpr double kNearlyStraight = 0.985;  // of the leg's length: knees bent by less than some 20 degrees
 
 // One foot over a clip.
@@ -128,22 +129,24 @@ struct LockedFoot {
   }
 };
 
-// How far the body comes down in every frame, so that legs that are nearly straight reach the floor with their planted feet.
+// How far the body comes down in every frame, so that legs that are nearly straight reach the floor with their planted feet. Of two legs
+// that are short the one that asks for more counts: what it gets is enough for the other.
 Eigen::VectorXd Drops(const std::vector<LockedFoot>& feet, double rate_hz, const FootLockOptions& options) {
   const int frames = static_cast<int>(feet.front().shifts.cols());
   const double smooth = std::pow(options.ease_s * rate_hz, 4);
   internal::PentadiagonalSystem system(frames);
   Eigen::VectorXd drops = Eigen::VectorXd::Zero(frames);
   for (int f = 0; f < frames; ++f) {
-    system.Add<1>(1, f, {1});
+    double weight = 0;
     for (const LockedFoot& foot : feet) {
       const Eigen::Vector3d leg = foot.path.hips.col(f) - foot.path.ankles.col(f) - foot.shifts.col(f);
       const double length = leg.norm(), missing = length - foot.reach_m(f, options);
-      if (missing <= 0) continue;
-      const double weight = options.level * std::max(foot.targets[0].hold[f], foot.targets[1].hold[f]);
-      system.Add<1>(weight, f, {1});
-      drops[f] += weight * missing / std::max(kLeastUpright, leg.y() / length);
+      if (missing <= 0 || leg.y() <= 0) continue;
+      const double hold = options.level * std::max(foot.targets[0].hold[f], foot.targets[1].hold[f]);
+      const double asked = hold * std::min(kLargestDrop_m, missing / std::max(kLeastUpright, leg.y() / length));
+      if (asked > drops[f]) weight = hold, drops[f] = asked;
     }
+    system.Add<1>(1 + weight, f, {1});
     if (f + 2 < frames) system.Add<3>(smooth, f, {1, -2, 1});
   }
   system.Factor();

@@ -8,7 +8,7 @@ namespace morphograph {
 
 struct FootLockOptions {
   double loose_chance = 0.5;  // of being planted, from which a part of a foot begins to be held
-  /// Part of the mean slide of captured planted feet that is left. They do slide: joints are not soles, feet roll and turn on the ball.
+  /// Part of the slide of captured planted feet that is left. They do slide: joints are not soles, feet roll and turn on the ball.
   /// A foot nailed to the floor is told from the capture at once.
   double slide = 0.35;
   double rolling = 0.82;     // part of the rise of captured planted feet over their standing height that is left; what they sink below it is left whole
@@ -29,9 +29,9 @@ inline double HeldHeight_m(double standing_m, double learned_m, const FootLockOp
 /// latent tells them. The feet of drawn steps waver about that. The shift s of each ankle over the clip takes it out; it is the least of
 ///   sum_f |s|^2 + (hold_s)^2 c |ds/dt + slide of the part - learned slide|^2 + (ease_s)^4 |d2s/dt2|^2, over the floor, and of
 ///   sum_f s^2 + level c (height of the part + s - learned height)^2 + (ease_s)^4 (d2s/dt2)^2 in height,
-/// c rising from 0 to 1 with the chance that the part is planted. So nothing is switched on or off, and swings stay as they are. Where legs are
-/// too straight to bring planted feet down, the body comes down, by the drop d that is the least of
-///   sum_f d^2 + level c (what the leg is short of - d)^2 + (ease_s)^4 (d2d/dt2)^2.
+/// c rising from 0 to 1 with the chance that the part is planted. So nothing is switched on or off, and swings stay as they are. What a leg
+/// would have to be stretched further for than `stretch` lets it, the body comes down by: the drop d (5 cm at most) that is the least of
+///   sum_f d^2 + level c (what the leg is short of - d)^2 + (ease_s)^4 (d2d/dt2)^2, of two short legs the one that asks for more.
 ///
 /// @param contacts  what the steps know of the feet, (kContactRows x frames): heights and velocities of the very steps, where their latents
 ///   tell them (MotionPrimitive::Contacts).

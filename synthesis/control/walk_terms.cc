@@ -150,7 +150,7 @@ void WalkTerms::AddSwings() {
   }
 }
 
-// Planted feet, where the foot lock would not get them down: as it is told to do, from the learned contacts of each step.
+// Planted feet, where the foot lock would not get them down by the legs alone: as it is told to do, from the learned contacts of each step.
 void WalkTerms::AddReach() {
   weight_ = 1;
   const FootLockOptions lock;

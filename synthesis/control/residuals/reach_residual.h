@@ -17,8 +17,8 @@ struct PlantedMoment {
   double height_m[2] = {0, 0};  // that they are meant to have
 };
 
-/// How much of the way down to where it is meant to stand a planted foot cannot be brought, since the leg is too straight for that; 0 where it can. A foot lock then leaves the foot hanging: it
-/// is the walk that has to bring the pelvis lower, or step less far.
+/// How much of the way down to where it is meant to stand a planted foot cannot be brought, since the leg is too straight for that; 0 where
+/// it can. A foot lock then lowers the body, which is a last resort: it is the walk that has to bring the pelvis lower, or step less far.
 class ReachResidual : public StepResidual {
  public:
   ReachResidual(std::shared_ptr<const StepKinematics> step, std::vector<PlantedMoment> moments, double deviation_m);
