@@ -253,8 +253,8 @@ StudySection StudyLikeness(StudyContext& context) {
       "well it tells synthesised from captured windows is given with its floor: how well it tells one half of the captured clips from the other, "
       "with as many windows from clips of the same lengths.\n\nEverything is done twice: with a model of all clips, and with models of one half of "
       "the clips, each judged on the half that it has not seen (mean of both ways). Their distances and floors are those of "
-      "random halves, the same as for the model of all clips, as one halving alone says little; with them, the two sets differ in more than where "
-      "the first comes from.\n\nClips are taken as they are, and, where they are long enough, "
+      "random halves, the same as for the model of all clips, as one halving alone says little: not of the very halves that were learned "
+      "from.\n\nClips are taken as they are, and, where they are long enough, "
       "without their first and last second: recordings set off and slow down there, and synthesised clips are cut out of a walk.";
   const int count = options.quick ? 8 : 100;
   const auto tell = [&](const std::string& stage, double fraction) {

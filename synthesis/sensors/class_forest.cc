@@ -142,11 +142,13 @@ ClassForest::ClassForest(const Eigen::MatrixXf& samples, const std::vector<int>&
     if (of_leaf.empty()) of_leaf.assign(static_cast<std::size_t>(classes), 1);  // nothing fell there
     float sum = 0;
     for (const float samples_of : of_leaf) sum += samples_of;
-    const float least = std::min(kLeastLeafShare * sum, *std::max_element(of_leaf.begin(), of_leaf.end()));
-    sum = 0;
-    for (float& samples_of : of_leaf) {
-      if (samples_of < least) samples_of = 0;
-      sum += samples_of;
+    const float least = kLeastLeafShare * sum;
+    if (*std::max_element(of_leaf.begin(), of_leaf.end()) >= least) {  // else no class is rarer than the rest
+      sum = 0;
+      for (float& samples_of : of_leaf) {
+        if (samples_of < least) samples_of = 0;
+        sum += samples_of;
+      }
     }
     for (std::size_t k = 0; k < of_leaf.size(); ++k) {
       if (of_leaf[k] > 0) shares_.push_back({static_cast<int>(k), of_leaf[k] / sum / static_cast<float>(trees_)});

@@ -20,7 +20,7 @@ struct ClassForestOptions {
 /// features drawn at every node; in its leaves stand the shares of all classes among the samples that fall there. Probabilities are the trees' mean.
 ///
 /// For speed, trees go down together a level at a time, so that their memory is fetched at once and no branch waits; and leaves hold only the classes that
-/// fall there, few of many, in 2 % of a leaf's samples or more.
+/// fall there, few of many, in 2 % of a leaf's samples or more (all of them where none comes to that).
 class ClassForest {
  public:
   /// @param samples  (features x N), finite. @param labels  (N), from 0. @param classes  more than the largest label.

@@ -5,6 +5,7 @@
 #include "datasets/contact_detector.h"
 #include "datasets/forward_kinematics.h"
 #include "synthesis/internal/pentadiagonal_system.h"
+#include "synthesis/motion_synthesizer.h"
 #include "tests/support/small_model.h"
 
 namespace morphograph {
@@ -114,6 +115,28 @@ TEST_F(FootLockTest, LowersTheBodyForTheLegThatLacksMost) {
   const Eigen::ArrayXd lacks = (by_one.array() > 0.02).cast<double>();
   ASSERT_GT(lacks.sum(), 5);
   EXPECT_GT((lacks * by_both.array()).sum(), 0.9 * (lacks * by_one.array()).sum());
+}
+
+// A clip's feet go by its own steps, where their latents tell of them.
+TEST(WalkClip, FeetDoWhatTheirStepSays) {
+  const auto graph = testing::SmallModel();
+  GraphContents contents;
+  contents.name = graph->name(), contents.action = graph->action(), contents.frame_rate_hz = graph->frame_rate_hz();
+  contents.layout = graph->layout(), contents.styles = graph->styles();
+  for (int p = 0; p < graph->primitive_count(); ++p) contents.primitives.push_back(graph->primitive(p));
+  for (int e = 0; e < graph->edge_count(); ++e) contents.edges.push_back({graph->edge_from(e), graph->edge_to(e), graph->transition(e)});
+  SynthesisRequest request;
+  request.seed = 5;
+  request.duration_s = 4;
+  const auto clip_with = [&](float slide, bool lock) {
+    for (MotionPrimitive& primitive : contents.primitives) {
+      primitive.contact_map.setConstant((kContactRows - kFootParts) * kPhaseSamples, primitive.reduction.components(), slide);
+    }
+    return Synthesize(MotionGraph(contents, ""), request, {.foot_lock = lock}).clip;
+  };
+  const auto apart = [&](bool lock) { return (PointsOf(clip_with(0, lock), contents.styles[0].feet, 0).balls - PointsOf(clip_with(0.01f, lock), contents.styles[0].feet, 0).balls).cwiseAbs().maxCoeff(); };
+  EXPECT_GT(apart(true), 0.001);
+  EXPECT_EQ(apart(false), 0);
 }
 
 TEST(HeldHeight, LeavesPartOfARiseAndAllOfASinking) {
