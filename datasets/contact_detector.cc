@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -83,8 +84,23 @@ void RequireRoles(const MotionClip& clip) {
   throw std::invalid_argument("DetectContacts: the skeleton of '" + clip.name + "' has no joint for: " + names);
 }
 
+// The half of the values, at least one, that lie closest together, as positions (the shorth; Andrews et al. 1972).
+std::vector<size_t> ClosestHalf(const std::vector<double>& values) {
+  std::vector<size_t> order(values.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) { return values[a] < values[b]; });
+  const size_t half = (values.size() + 1) / 2;
+  size_t best = 0;
+  const auto width = [&](size_t first) { return values[order[first + half - 1]] - values[order[first]]; };
+  for (size_t first = 1; first + half <= order.size(); ++first) {
+    if (width(first) < width(best)) best = first;
+  }
+  return {order.begin() + static_cast<std::ptrdiff_t>(best), order.begin() + static_cast<std::ptrdiff_t>(best + half)};
+}
+
 // Where the heel lies in the foot's own frame, from the frames in which the foot is flat. A foot that never is
-// (a run, a jump) takes its slowest tenth of frames.
+// (a run, a jump) takes its slowest tenth of frames. Among slow frames are some in which the heel already leaves the floor, the more the slower
+// somebody walks; flat are those that agree how far the ankle is above the ball.
 Eigen::Vector3d HeelInFoot(const FootPath& foot, double rate_hz, double behind_m) {
   const int frames = static_cast<int>(foot.ball.cols());
   const Eigen::VectorXd speed =
@@ -93,6 +109,7 @@ Eigen::Vector3d HeelInFoot(const FootPath& foot, double rate_hz, double behind_m
   std::sort(sorted.begin(), sorted.end());
   const double limit = std::max(kFlatSpeed, sorted[sorted.size() / 10]);
   std::vector<Eigen::Vector3d> heels;
+  std::vector<double> rises;  // of the ankle over the ball
   for (int f = 0; f < frames; ++f) {
     if (speed[f] > limit) continue;
     const Eigen::Vector3d along = foot.ball.col(f) - foot.ankle.col(f);
@@ -101,10 +118,13 @@ Eigen::Vector3d HeelInFoot(const FootPath& foot, double rate_hz, double behind_m
     forward.normalize();
     const Eigen::Vector3d heel = Eigen::Vector3d(0, along.y(), 0) - behind_m * forward;
     heels.push_back(foot.rotation[f].conjugate() * heel);
+    rises.push_back(-along.y());
   }
   if (heels.empty()) return Eigen::Vector3d::Zero();
-  return MedianPoint(Eigen::Map<const Eigen::Matrix3Xd>(heels.front().data(), 3,
-                                                        static_cast<Eigen::Index>(heels.size())));
+  const std::vector<size_t> flat = ClosestHalf(rises);
+  Eigen::Matrix3Xd of_flat(3, static_cast<Eigen::Index>(flat.size()));
+  for (size_t i = 0; i < flat.size(); ++i) of_flat.col(static_cast<Eigen::Index>(i)) = heels[flat[i]];
+  return MedianPoint(of_flat);
 }
 
 std::vector<Stance> StillBalls(const Eigen::Matrix3Xd& ball, double rate_hz) {

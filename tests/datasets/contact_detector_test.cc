@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "datasets/forward_kinematics.h"
 #include "datasets/low_pass.h"
 #include "datasets/noise_model.h"
 #include "datasets/synthetic_gait.h"
@@ -75,6 +76,37 @@ TEST(ContactDetectorTest, HeelsAndBallsOfPlantedFeetLieOnTheGround) {
         EXPECT_NEAR(track.heels[side](1, f), track.ground_m[f], 0.045);
         EXPECT_NEAR(track.balls[side](1, f), track.ground_m[f], 0.045);
       }
+    }
+  }
+}
+
+// The clip at a part of its speed.
+MotionClip Slowed(const MotionClip& clip, double part) {
+  MotionClip slow(clip.shared_skeleton(), part * clip.frame_rate_hz(), clip.frame_count());
+  slow.root_positions() = clip.root_positions();
+  for (int f = 0; f < clip.frame_count(); ++f) {
+    for (int joint = 0; joint < clip.joint_count(); ++joint) slow.rotation(f, joint) = clip.rotation(f, joint);
+  }
+  return slow;
+}
+
+// Where the heel lies in the frame of a foot, as the track has it.
+Eigen::Vector3d HeelInFoot(const MotionClip& clip, const ContactTrack& track, int side) {
+  const int ankle = clip.skeleton().roles()[side == 0 ? JointRole::kLeftAnkle : JointRole::kRightAnkle];
+  const WorldPose pose = ForwardKinematics(clip, 0);
+  return pose.rotations[ankle].conjugate() * (track.heels[side].col(0) - pose.positions.col(ankle));
+}
+
+// Whoever walks slowly lifts a heel slowly too: frames in which it is on its way up are no flat stance.
+TEST(ContactDetectorTest, TheHeelLiesInTheFootWhereItDoesHoweverSlowTheWalk) {
+  const MotionClip whole = GenerateGait(WalkAt(60));
+  const MotionClip clip = whole.Slice(90, whole.frame_count() - 180);  // without the stands at its ends
+  const ContactTrack usual = DetectContacts(clip);
+  for (const double part : {0.5, 0.25, 0.1}) {
+    const MotionClip slowed = Slowed(clip, part);
+    const ContactTrack slow = DetectContacts(slowed);
+    for (int side = 0; side < 2; ++side) {
+      EXPECT_LT((HeelInFoot(slowed, slow, side) - HeelInFoot(clip, usual, side)).norm(), 0.001) << part;
     }
   }
 }

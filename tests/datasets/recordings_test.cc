@@ -1,11 +1,13 @@
 // Every real recording, read and written again.
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <map>
 
 #include "datasets/bvh_reader.h"
 #include "datasets/bvh_writer.h"
 #include "datasets/clip_conversion.h"
+#include "datasets/contact_detector.h"
 #include "datasets/dataset_loader.h"
 #include "datasets/forward_kinematics.h"
 #include "datasets/parallel_for.h"
@@ -64,6 +66,27 @@ TEST(Recordings, ComeBackWithTheSameNamesValuesAndPositions) {
       EXPECT_TRUE(!source_channels || written.channel_count() == document.channel_count());
     }
   });
+}
+
+// One skeleton has one heel, however somebody walks: what clips find of it, each from its own flat feet, agrees.
+TEST(Recordings, HeelsOfOneSkeletonAgree) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  std::vector<MotionClip> clips;
+  for (LoadedClip& loaded : LoadDataset({testing::SharedData() / "bnr" / "dataset-2" / "walk"}, DatasetManifest(), 2).clips) {
+    if (loaded.clip.style == "exhausted") clips.push_back(std::move(loaded.clip));  // whose right heel lifts slowest
+  }
+  ASSERT_GE(clips.size(), 10u);
+  Eigen::VectorXd heights(clips.size());  // of the right heel, in the foot
+  ParallelFor(2, static_cast<int>(clips.size()), [&](int i) {
+    const MotionClip& clip = clips[static_cast<size_t>(i)];
+    const WorldPose pose = ForwardKinematics(clip, 0);
+    const int ankle = clip.skeleton().roles()[JointRole::kRightAnkle];
+    const Eigen::Vector3d heel = DetectContacts(clip).heels[1].col(0);
+    const Eigen::Vector3d ball = pose.positions.col(clip.skeleton().roles()[JointRole::kRightToe]);
+    heights[i] = (heel - ball).norm();
+  });
+  const double spread = std::sqrt((heights.array() - heights.mean()).square().mean());
+  EXPECT_LT(spread, 0.0007);
 }
 
 TEST(Recordings, UnitAxisRestRowsAndRolesAreFound) {
