@@ -49,6 +49,7 @@ class GaussianMixture {
 };
 
 struct GaussianMixtureOptions {
+  int min_components = 1;        // of a selection, where the samples have as many distinct values
   int max_components = 5;
   std::vector<CovarianceForm> forms = {CovarianceForm::kFull, CovarianceForm::kTied, CovarianceForm::kDiagonal};
   /// Share of the prior in a covariance of full size: one Gaussian gets (1 - s) S + s diag(S). [0, 1)
@@ -97,7 +98,7 @@ struct GaussianMixtureSelection {
 GaussianMixtureFit FitGaussianMixture(const Eigen::MatrixXd& samples, int components, CovarianceForm form,
                                       const GaussianMixtureOptions& options, std::mt19937_64& rng);
 
-/// Chooses K in 1..max_components and the form by the Bayesian information criterion (Du 3.4.3; Eq. 3.35-3.36 with the
+/// Chooses K in min_components..max_components and the form by the Bayesian information criterion (Du 3.4.3; Eq. 3.35-3.36 with the
 /// noise variance taken out, as is usual for likelihoods: -2 ln L + d ln N).
 GaussianMixtureSelection SelectGaussianMixture(const Eigen::MatrixXd& samples, const GaussianMixtureOptions& options,
                                                std::mt19937_64& rng);

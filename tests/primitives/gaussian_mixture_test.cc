@@ -217,6 +217,23 @@ TEST(FitGaussianMixture, SurvivesComponentsThatLoseTheirSamples) {
   }
 }
 
+TEST(SelectGaussianMixture, KeepsToTheFewestComponentsAskedFor) {
+  std::mt19937_64 rng(12);
+  GaussianMixtureOptions options;
+  options.min_components = 3;
+  options.max_components = 4;
+  const GaussianMixtureSelection one_cluster = SelectGaussianMixture(RandomNormal(4, 300, rng), options, rng);
+  EXPECT_EQ(one_cluster.best.mixture.size(), 3);
+  for (const GaussianMixtureCandidate& candidate : one_cluster.candidates) {  // the best of those that are allowed
+    if (candidate.components >= 3) EXPECT_GE(candidate.bic, one_cluster.best.bic);
+  }
+  Eigen::MatrixXd two_values(2, 40);
+  for (Eigen::Index i = 0; i < two_values.cols(); ++i) two_values.col(i).setConstant(i % 2);
+  EXPECT_EQ(SelectGaussianMixture(two_values, options, rng).best.mixture.size(), 2);
+  options.min_components = 0;
+  EXPECT_THROW(SelectGaussianMixture(two_values, options, rng), std::invalid_argument);
+}
+
 TEST(SelectGaussianMixture, ChoosesTheNumberAndFormThatMadeTheData) {
   std::mt19937_64 rng(11);
   const GaussianMixtureSelection three = SelectGaussianMixture(Clusters(4, 3, 120, 6, rng), {}, rng);
