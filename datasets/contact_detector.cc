@@ -99,7 +99,7 @@ std::vector<size_t> ClosestHalf(const std::vector<double>& values) {
 }
 
 // Where the heel lies in the foot's own frame, from the frames in which the foot is flat. A foot that never is
-// (a run, a jump) takes its slowest tenth of frames. Among slow frames are some in which the heel already leaves the floor, the more the slower
+// (a run, a jump) takes half of its slowest tenth of frames. Among slow frames are some in which the heel already leaves the floor, the more the slower
 // somebody walks; flat are those that agree how far the ankle is above the ball.
 Eigen::Vector3d HeelInFoot(const FootPath& foot, double rate_hz, double behind_m) {
   const int frames = static_cast<int>(foot.ball.cols());

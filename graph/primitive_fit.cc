@@ -14,10 +14,10 @@
 namespace morphograph {
 namespace {
 
-constexpr int kExamplesPerComponent = 8;   // fewest
-// With as many captured ones, there is one component more, up to the largest number, whatever the information criterion says: it counts two
-// parameters a latent and component, and one or two components lump straight and turning steps together. Four are better on clips left out, too.
-constexpr int kExamplesForComponent = 35;
+constexpr int kFewestPerComponent = 8;  // steps
+// One component at least for every so many captured steps, whatever the information criterion says: in the diagonal form it counts two
+// parameters a latent and component, and on bnr one or two components lump straight and turning steps together. Four are better on clips left out, too.
+constexpr int kCapturedPerComponent = 35;
 
 // What lies outside of the step follows from what lies inside.
 void LightenMargins(int channels, Eigen::VectorXd* weights) {
@@ -85,8 +85,8 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   GaussianMixtureOptions mixture_options;
   // On a handful of points the information criterion takes every point for a component of its own.
   mixture_options.max_components =
-      std::clamp(static_cast<int>(steady.size()) / kExamplesPerComponent, 1, options.largest_mixture);
-  mixture_options.min_components = std::clamp((primitive.examples - primitive.made_examples) / kExamplesForComponent, 1, mixture_options.max_components);
+      std::clamp(static_cast<int>(steady.size()) / kFewestPerComponent, 1, options.largest_mixture);
+  mixture_options.min_components = std::clamp((primitive.examples - primitive.made_examples) / kCapturedPerComponent, 1, mixture_options.max_components);
   std::mt19937_64 rng(options.seed);
   const GaussianMixtureSelection selection = SelectGaussianMixture(steady_latents, mixture_options, rng);
   primitive.mixture = selection.best.mixture;

@@ -49,7 +49,7 @@ class GaussianMixture {
 };
 
 struct GaussianMixtureOptions {
-  int min_components = 1;        // of a selection, where the samples have as many distinct values
+  int min_components = 1;        // of a selection; where the samples have fewer distinct values, as many as they have
   int max_components = 5;
   std::vector<CovarianceForm> forms = {CovarianceForm::kFull, CovarianceForm::kTied, CovarianceForm::kDiagonal};
   /// Share of the prior in a covariance of full size: one Gaussian gets (1 - s) S + s diag(S). [0, 1)
@@ -58,7 +58,7 @@ struct GaussianMixtureOptions {
   int restarts = 3;              // k-means++ starts for each number of components
   int max_iterations = 200;      // of EM, the best start's
   double tolerance = 1e-5;       // stop when the objective gains less than this per sample
-  int bic_patience = 2;          // give up on larger K after so many without a better BIC
+  int bic_patience = 2;          // give up on larger K after so many from min_components on without a better BIC
 };
 
 /// One fitted mixture, and how it was fitted.

@@ -261,7 +261,6 @@ void Check(const Eigen::MatrixXd& samples, int components, const GaussianMixture
   if (samples.cols() < 1 || samples.rows() < 1)
     fail("samples are " + std::to_string(samples.rows()) + " x " + std::to_string(samples.cols()) + "; needs at least one of each");
   if (!samples.allFinite()) fail("samples hold values that are not finite");
-  if (options.min_components < 1) fail("min_components must be >= 1");
   if (components < 1) fail("asked for " + std::to_string(components) + " components; must be >= 1");
   if (!(options.shrinkage >= 0 && options.shrinkage < 1)) fail("shrinkage must be in [0, 1)");
   if (!(options.relative_floor > 0)) fail("relative_floor must be > 0");
@@ -289,6 +288,9 @@ GaussianMixtureFit FitGaussianMixture(const Eigen::MatrixXd& samples, int compon
 GaussianMixtureSelection SelectGaussianMixture(const Eigen::MatrixXd& samples, const GaussianMixtureOptions& options,
                                                std::mt19937_64& rng) {
   Check(samples, options.max_components, options);
+  if (options.min_components < 1 || options.min_components > options.max_components) {
+    throw std::invalid_argument("GaussianMixture: min_components must be in 1..max_components");
+  }
   GaussianMixtureSelection out;
   const auto enough = [&](const GaussianMixtureFit& fit) { return std::min(fit.mixture.size(), options.min_components); };
   const auto better = [&](const GaussianMixtureFit& fit) {
@@ -303,8 +305,10 @@ GaussianMixtureSelection SelectGaussianMixture(const Eigen::MatrixXd& samples, c
       GaussianMixtureFit fit = FitGaussianMixture(samples, k, form, options, rng);
       if (fit.mixture.size() < k) break;  // no more distinct samples
       out.candidates.push_back({form, k, fit.log_likelihood, fit.bic});
-      without_gain = fit.bic < best_of_form || k < options.min_components ? 0 : without_gain + 1;
-      best_of_form = std::min(best_of_form, fit.bic);
+      if (k >= options.min_components) {
+        without_gain = fit.bic < best_of_form ? 0 : without_gain + 1;
+        best_of_form = std::min(best_of_form, fit.bic);
+      }
       if (out.best.mixture.size() == 0 || better(fit)) out.best = std::move(fit);
     }
   }

@@ -36,7 +36,7 @@ struct Cut {
   std::string name;   // "clips as they are"
   std::string id;     // in the data
   bool trimmed = false;
-  int halvings = 4;
+  int halvings = 1;
 };
 
 struct StyleLikeness {

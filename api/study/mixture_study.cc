@@ -276,7 +276,8 @@ StudySection StudyMixture(StudyContext& context) {
   section.text =
       "The steps of a class, reduced to the components that keep 99 % of their variance, or to the leading 40, are described by a mixture of Gaussians (Du 3.4). "
       "The Bayesian information criterion, -2 ln L + d ln N, weighs how likely the steps are against the number d of parameters; less is "
-      "better. The likelihood of steps from clips left out asks the same without a rule of thumb.\n\n" +
+      "better. The likelihood of steps from clips left out asks the same without a rule of thumb. Models take at least one component for 35 captured steps, "
+      "four at most: with fewer, drawn steps are told from captured ones more easily.\n\n" +
       measured;
   while (!section.text.empty() && section.text.back() == '\n') section.text.pop_back();
   return section;

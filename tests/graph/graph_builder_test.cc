@@ -52,6 +52,35 @@ TEST(GraphBuilder, LearnsWalkingStartingAndStoppingInEveryStyle) {
   EXPECT_LT(Find(summary, "left_walk", "brisk")->mean_duration_s, Find(summary, "left_walk", "slow")->mean_duration_s);
 }
 
+// By the criterion alone these steps have one component or two.
+TEST(GraphBuilder, MixturesHaveAComponentForThirtyFiveCapturedSteps) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  std::vector<TrainingClip> captured;
+  for (LoadedClip& loaded : LoadDataset({testing::SharedData() / "bnr" / "dataset-2" / "walk"}, DatasetManifest(), 2).clips) {
+    if (loaded.clip.style == "exhausted") captured.push_back({std::move(loaded.clip)});
+  }
+  std::vector<TrainingClip> mostly_made = captured;
+  for (size_t i = 4; i < mostly_made.size(); ++i) mostly_made[i].made = true;
+  TrainingOptions options;
+  options.jobs = 2;
+  for (const bool made : {false, true}) {
+    const auto graph = BuildGraph(made ? mostly_made : captured, options);
+    int walking = 0;
+    for (int p = 0; p < graph->primitive_count(); ++p) {
+      const MotionPrimitive& primitive = graph->primitive(p);
+      if (!primitive.name.ends_with("_walk")) continue;
+      ++walking;
+      if (made) {
+        EXPECT_LT(primitive.mixture.size(), 3) << primitive.name;
+      } else {
+        EXPECT_GE(primitive.mixture.size(), std::min(4, primitive.examples / 35)) << primitive.name << " of " << primitive.examples;
+        EXPECT_GE(primitive.examples, 105) << primitive.name;
+      }
+    }
+    EXPECT_EQ(walking, 2);
+  }
+}
+
 TEST(GraphBuilder, ContactsSayThatTheLandingFootStandsAtTheEndOfItsStep) {
   const GraphSummary summary = Summarise(*testing::SmallModel());
   const PrimitiveSummary* step = Find(summary, "left_walk", "slow");

@@ -230,6 +230,14 @@ TEST(SelectGaussianMixture, KeepsToTheFewestComponentsAskedFor) {
   Eigen::MatrixXd two_values(2, 40);
   for (Eigen::Index i = 0; i < two_values.cols(); ++i) two_values.col(i).setConstant(i % 2);
   EXPECT_EQ(SelectGaussianMixture(two_values, options, rng).best.mixture.size(), 2);
+  {  // Larger numbers are tried until two that are allowed do not gain
+    for (const CovarianceForm form : {CovarianceForm::kFull, CovarianceForm::kTied, CovarianceForm::kDiagonal}) {
+      EXPECT_TRUE(std::any_of(one_cluster.candidates.begin(), one_cluster.candidates.end(),
+                              [&](const GaussianMixtureCandidate& c) { return c.form == form && c.components == 4; }));
+    }
+  }
+  options.min_components = 5;  // more than max_components
+  EXPECT_THROW(SelectGaussianMixture(two_values, options, rng), std::invalid_argument);
   options.min_components = 0;
   EXPECT_THROW(SelectGaussianMixture(two_values, options, rng), std::invalid_argument);
 }
