@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kBeamWidth = 8;
 constexpr int kFirstDraws = 24;
-constexpr int kDraws = 4;        // successors of each walk in the beam; half of them are bent towards what is asked
+constexpr int kDraws = 6;        // successors of each walk in the beam; half of them are bent towards what is asked
 constexpr int kEndDraws = 2;     // of them that stop
 constexpr double kSpare_s = 0.3;  // walked on past the end of a clip, for its last cross-fade and for steps that grow shorter
 
