@@ -59,8 +59,8 @@ struct ContactTrack {
 /// A foot stands where its heel or ball is low and slow; speed is the smaller of backward and forward difference, so
 /// that the first frame of a stance counts. The floor goes through the median ball heights of the stances: a plane
 /// where one fits them, else interpolated in time, so tilted floors and steps do not matter. The heel is a point fixed
-/// in the foot that lies at ball height in flat stances: the slow frames that agree on how far the ankle is above the ball. A contact shorter than `min_contact_s` is dropped at the
-/// ends of the clip too, where it cannot be told from a graze. Where the feet jitter, as in raw markerless captures, the track is of
+/// in the foot that lies at ball height in flat stances: the slow frames that agree on how far the ankle is above the ball.
+/// A contact shorter than `min_contact_s` is dropped at the ends of the clip too, where it cannot be told from a graze. Where the feet jitter, as in raw markerless captures, the track is of
 /// smoothed feet (clean recordings: 0.1 to 0.7 mm of white noise on a coordinate, 2.2 mm at most).
 /// @throws std::invalid_argument when knees, ankles or toes have no role.
 ContactTrack DetectContacts(const MotionClip& clip, const ContactOptions& options = {});

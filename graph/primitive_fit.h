@@ -24,8 +24,8 @@ struct FittedPrimitive {
   Eigen::MatrixXd manners;  // (components x members) manner of each step's walk; empty where the primitive has none
 };
 
-/// Fits one primitive to the steps of a class (Du 3.2-3.4): reference segment, DTW against it, weighted PCA, mixture by BIC (of one component at least for 35 captured steps, four at most), contact
-/// labels. Steps that are not steady shape nothing; they are projected so that transitions can use them.
+/// Fits one primitive to the steps of a class (Du 3.2-3.4): reference segment, DTW against it, weighted PCA, mixture by BIC (of one
+/// component at least for 35 captured steps, four at most), contacts. Steps that are not steady shape nothing; they are projected so that transitions can use them.
 FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::vector<TrainingStep>& steps, const StepClass& members,
                              const PoseLayout& layout, const MeanRotations& means, const Eigen::VectorXd& channel_weights,
                              const PrimitiveFitOptions& options);

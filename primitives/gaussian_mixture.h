@@ -99,7 +99,8 @@ GaussianMixtureFit FitGaussianMixture(const Eigen::MatrixXd& samples, int compon
                                       const GaussianMixtureOptions& options, std::mt19937_64& rng);
 
 /// Chooses K in min_components..max_components and the form by the Bayesian information criterion (Du 3.4.3; Eq. 3.35-3.36 with the
-/// noise variance taken out, as is usual for likelihoods: -2 ln L + d ln N).
+/// noise variance taken out, as is usual for likelihoods: -2 ln L + d ln N). @throws std::invalid_argument as FitGaussianMixture, and when
+/// min_components is not in 1..max_components.
 GaussianMixtureSelection SelectGaussianMixture(const Eigen::MatrixXd& samples, const GaussianMixtureOptions& options,
                                                std::mt19937_64& rng);
 
