@@ -63,6 +63,10 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
   return DrawCaptured(graph, style, weights, rng);
 }
 
+void FreeComponents(WalkManner* manner) {
+  for (Eigen::VectorXd& factors : manner->components) factors.setOnes();
+}
+
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {
   std::vector<double> weights;  // of every captured walk, by how much alike its components are
   for (const size_t p : WithManner(graph, style)) {

@@ -22,6 +22,9 @@ enum class MetAt { kStep, kTime };
 /// captured walk goes together here.
 WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng);
 
+/// Lets a walk of that manner meet the mixture components of every primitive as often as all walks do.
+void FreeComponents(WalkManner* manner);
+
 /// The manner a step later. It drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance.
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner);
 

@@ -13,6 +13,7 @@
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/set_quality.h"
 #include "tests/support/shared_data.h"
+#include "tests/synthesis/mean_speed.h"
 
 namespace morphograph {
 namespace {
@@ -48,13 +49,17 @@ void JudgeMarginal(const MotionGraph& graph, Judgement* judgement) {
   }
 }
 
-// Learns from the clips and judges 100 walks of 10 s against them, on pieces of `piece_frames` at 30 fps.
-Judgement LearnAndJudge(std::vector<MotionClip> captured, int piece_frames) {
+std::shared_ptr<const MotionGraph> Learn(const std::vector<MotionClip>& captured) {
   std::vector<TrainingClip> training;
   for (AugmentedClip& level : Augment(captured, {})) training.push_back({std::move(level.clip)});
   TrainingOptions options;
   options.jobs = 2;
-  const auto graph = BuildGraph(training, options);
+  return BuildGraph(training, options);
+}
+
+// Learns from the clips and judges 100 walks of 10 s against them, on pieces of `piece_frames` at 30 fps.
+Judgement LearnAndJudge(std::vector<MotionClip> captured, int piece_frames) {
+  const auto graph = Learn(captured);
   std::vector<MotionClip> drawn;
   for (std::uint64_t seed = 1; seed <= 100; ++seed) {
     SynthesisRequest request;
@@ -96,17 +101,42 @@ TEST(CapturedQuality, WalksOfCmuAreAsGoodAsTheirRecordings) {
   ExpectAsGoodAsCaptured(judgement);
 }
 
-TEST(CapturedQuality, WalksOfOneStyleOfBnrAreAsGoodAsTheirRecordings) {
-  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+std::vector<MotionClip> WalksAndTurnsOfBnr(const std::string& style) {
   const std::filesystem::path bnr = testing::SharedData() / "bnr" / "dataset-2";
   std::vector<MotionClip> clips;
   for (LoadedClip& loaded : LoadDataset({bnr / "walk", bnr / "walk-turn-left", bnr / "walk-turn-right"}, {}, 2).clips) {
-    if (loaded.clip.style == "youthful") clips.push_back(std::move(loaded.clip));
+    if (loaded.clip.style == style) clips.push_back(std::move(loaded.clip));
   }
+  return clips;
+}
+
+TEST(CapturedQuality, WalksOfOneStyleOfBnrAreAsGoodAsTheirRecordings) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  std::vector<MotionClip> clips = WalksAndTurnsOfBnr("youthful");
   ASSERT_EQ(clips.size(), 59u);
   const Judgement judgement = LearnAndJudge(std::move(clips), 90);
   ExpectAsGoodAsCaptured(judgement);
   EXPECT_LE(judgement.drawn.acceleration_p999_m_s2, 1.2 * judgement.captured.acceleration_p999_m_s2);
+}
+
+// A walker who goes straight on when not told a way must not creep along a bending one for want of steps that turn.
+TEST(CapturedQuality, WalksOnABendingWayAreHardlySlowerThanUntoldOnes) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const auto graph = Learn(WalksAndTurnsOfBnr("elderly"));
+  double told_m_s = 0, untold_m_s = 0;
+  for (const std::uint64_t seed : {1, 2, 3, 4, 5, 6, 7, 8}) {
+    SynthesisRequest request;
+    request.seed = seed;
+    request.control.path = PathTerm{.points_m = {{0, 0}, {0.5, 2}, {2, 3}, {3.5, 2}, {4, 0}, {6, 0}}, .smooth = true};
+    const SynthesisResult told = Synthesize(*graph, request);
+    for (const ControlOutcome& outcome : told.report.constraints) EXPECT_TRUE(outcome.met) << outcome.pointer << ", seed " << seed;
+    told_m_s += testing::MeanSpeed(told);
+    request.control.path.reset();
+    request.duration_s = told.report.duration_s;
+    untold_m_s += testing::MeanSpeed(Synthesize(*graph, request));
+  }
+  EXPECT_GT(told_m_s / untold_m_s, 0.83);
+  EXPECT_LT(told_m_s / untold_m_s, 1.1);
 }
 
 }  // namespace

@@ -15,9 +15,12 @@
 #include "synthesis/control/walk_optimizer.h"
 #include "synthesis/control/walk_terms.h"
 #include "synthesis/motion_synthesizer.h"
+#include "tests/synthesis/mean_speed.h"
 
 namespace morphograph {
 namespace {
+
+using testing::MeanSpeed;
 
 const MotionGraph& Model() {
   static const auto model = LoadModel(std::filesystem::path(MORPHOGRAPH_SOURCE_DIR) / "datasets/models/walk.mgm");
@@ -117,12 +120,6 @@ TEST(SteeredSynthesis, PutsAHandAndAFootWhereAsked) {
     }
   }
   EXPECT_GT(index, 3);
-}
-
-double MeanSpeed(const SynthesisResult& result) {
-  double way = 0;
-  for (size_t f = 10; f < result.report.path_m.size(); f += 10) way += (result.report.path_m[f] - result.report.path_m[f - 10]).norm();
-  return way / result.report.duration_s;
 }
 
 // The search begins with the foot that comes down there in turn: steps are not stretched to be one step ahead.

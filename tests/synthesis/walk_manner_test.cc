@@ -109,6 +109,20 @@ TEST(WalkManner, IsMetAsOftenAsItTakesStepsOrTime) {
   EXPECT_NEAR(of_b[1] / 2000.0, 0.75, 0.04);
 }
 
+// Where a way bends, a walk may need steps that its manner never takes.
+TEST(WalkManner, FreedMeetsAllComponentsAndKeepsItsManner) {
+  const MotionGraph graph(TwoKindsOfWalks(), "");
+  std::mt19937_64 rng(5);
+  WalkManner manner = DrawManner(graph, 0, MetAt::kStep, rng);
+  const double before = manner.m[0][0];
+  FreeComponents(&manner);
+  EXPECT_EQ(manner.components[0], Eigen::Vector2d::Ones());
+  EXPECT_EQ(manner.components[1], Eigen::Vector2d::Ones());
+  EXPECT_EQ(manner.m[0][0], before);
+  for (int step = 0; step < 20; ++step) DriftManner(graph, 0, rng, &manner);
+  EXPECT_GT(manner.components[0].minCoeff(), 0.7);  // and stays free for longer than any way takes
+}
+
 TEST(WalkManner, IsEmptyWithoutModels) {
   GraphContents contents = TwoKindsOfWalks();
   for (MotionPrimitive& primitive : contents.primitives) primitive.manner = {};
