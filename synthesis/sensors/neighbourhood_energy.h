@@ -18,7 +18,7 @@ enum class PriorKind {
 
 /// Weights of Tautges' Eqs. 2 and 3, as section 5.3 has them, and how the priors are made. Rotations count in rad, positions in metres.
 struct NeighbourhoodEnergyOptions {
-  PriorKind kind = PriorKind::kKernel;
+  PriorKind kind = PriorKind::kGaussian;  // on data unlike the base it is nearer and smoother than kernels, and no worse on its own (README, "Priors")
   double control = 1, prior = 5;
   double pose = 0.6, motion = 0.2, smooth = 0.2;  // within the prior
   double kept_variance = 0.99;                    // of the neighbours' poses by the subspace in which the pose is sought

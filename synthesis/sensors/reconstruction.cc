@@ -111,6 +111,7 @@ std::string_view MethodName(ReconstructionMethod method) {
   switch (method) {
     case ReconstructionMethod::kGraph: return "graph";
     case ReconstructionMethod::kOlng: return "olng";
+    case ReconstructionMethod::kOlngKernels: return "olng_kernels";
     case ReconstructionMethod::kRbf: return "rbf";
     case ReconstructionMethod::kGaussian: return "gaussian";
     case ReconstructionMethod::kMarkers: return "markers";
@@ -139,7 +140,7 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
   MotionBaseOptions options;
   options.frame_rate_hz = kReconstructionRate_hz;
   options.jobs = jobs;
-  if (method == ReconstructionMethod::kOlng) options.tempos.assign(std::begin(kOlngTempos), std::end(kOlngTempos));
+  if (method == ReconstructionMethod::kOlng || method == ReconstructionMethod::kOlngKernels) options.tempos.assign(std::begin(kOlngTempos), std::end(kOlngTempos));
   const bool markers = method == ReconstructionMethod::kMarkers;
   WornSensors worn;
   if (!markers) worn = WornBy(source.clips, sensors);
@@ -166,7 +167,11 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
       }
       return MakeStreams<MarkerEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const MarkerModel>(*base, all, given));
     }
-    default: return MakeStreams<OlngEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const OlngModel>(base, OlngOptions()));
+    default: {
+      OlngOptions olng_options;
+      if (method == ReconstructionMethod::kOlngKernels) olng_options.energy.kind = PriorKind::kKernel;
+      return MakeStreams<OlngEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const OlngModel>(base, olng_options));
+    }
   }
 }
 

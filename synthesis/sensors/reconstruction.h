@@ -23,13 +23,14 @@ inline constexpr double kReconstructionRate_hz = 30;
 /// How motion is found again from readings (METHODS section 5).
 enum class ReconstructionMethod {
   kGraph,     // a walk over the motion graph; needs the whole stream
-  kOlng,      // online lazy neighbourhood graph (Tautges 2011)
+  kOlng,      // online lazy neighbourhood graph (Tautges 2011), poses by regularised normal distributions
+  kOlngKernels,  // the same, poses by square-root kernels, as published
   kRbf,       // radial basis functions (Xie 2009, 6.1)
   kGaussian,  // local Gaussians, optimised (Xie 2009, 6.2)
   kMarkers,   // local linear maps and a forest (Liu 2006); takes marker positions, the others accelerations
 };
-inline constexpr ReconstructionMethod kReconstructionMethods[] = {ReconstructionMethod::kGraph, ReconstructionMethod::kOlng, ReconstructionMethod::kRbf,
-                                                                  ReconstructionMethod::kGaussian, ReconstructionMethod::kMarkers};
+inline constexpr ReconstructionMethod kReconstructionMethods[] = {ReconstructionMethod::kGraph, ReconstructionMethod::kOlng, ReconstructionMethod::kOlngKernels,
+                                                                  ReconstructionMethod::kRbf,   ReconstructionMethod::kGaussian, ReconstructionMethod::kMarkers};
 std::string_view MethodName(ReconstructionMethod method);  // "graph", "olng", …
 std::optional<ReconstructionMethod> ParseMethod(std::string_view name);
 

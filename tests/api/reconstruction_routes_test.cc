@@ -63,7 +63,7 @@ class ReconstructionRoutesTest : public ::testing::Test {
 testing::TestService* ReconstructionRoutesTest::app_ = nullptr;
 
 TEST_F(ReconstructionRoutesTest, GivesAClipThatComesNearTheTruth) {
-  for (const std::string method : {"graph", "olng"}) {
+  for (const std::string method : {"graph", "olng", "olng_kernels"}) {
     const RawResponse response = Post(Request(method), "application/json");
     ASSERT_EQ(response.status, 200) << response.body;
     const json answer = json::parse(response.body);

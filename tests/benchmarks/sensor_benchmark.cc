@@ -3,6 +3,7 @@
 //   sensor_benchmark --data bnr/walk bnr/walk-turn-left bnr/walk-turn-right                 test clips out of the base, their styles in it
 //   sensor_benchmark --data … --split style                                                 and without their style
 //   sensor_benchmark --data cmu/07 cmu/08 --split folder                                    without the folder that they are from (a person)
+//   sensor_benchmark --data … --folds 8                                                     every clip tried once, on a base of seven eighths of the others
 //   sensor_benchmark --data … --rows plain priors faults tempo body sensors reversed        which tables; plain alone when not given
 //   sensor_benchmark --data … --speed 600000                                                a base of that many frames, by mirrored and retimed copies
 //
@@ -113,6 +114,23 @@ std::vector<int> TestClips(const std::vector<Recording>& recordings, double plac
   return tests;
 }
 
+// Every recording is tried: those whose number leaves the same rest are tried together, on a base of all others.
+std::vector<Split> MakeFolds(const std::vector<Recording>& recordings, int folds) {
+  std::vector<Split> splits(static_cast<std::size_t>(folds));
+  for (int i = 0; i < static_cast<int>(recordings.size()); ++i) {
+    for (int fold = 0; fold < folds; ++fold) {
+      Split& split = splits[static_cast<std::size_t>(fold)];
+      if (i % folds == fold) {
+        split.tests.push_back(i);
+      } else {
+        const MotionClip& clip = recordings[static_cast<std::size_t>(i)].clip;
+        split.training.push_back(split.training.empty() ? clip : Retarget(clip, split.training.front().shared_skeleton()));
+      }
+    }
+  }
+  return splits;
+}
+
 std::vector<Split> MakeSplits(const std::vector<Recording>& recordings, const std::string& kind, bool tune, const std::vector<std::string>& only = {}) {
   const std::vector<int> final_tests = TestClips(recordings, 0.5);
   std::vector<int> tests = tune ? TestClips(recordings, 0.25) : final_tests;
@@ -171,7 +189,7 @@ double MeanOf(const std::vector<double>& values) {
 }
 
 struct Errors {
-  std::vector<double> errors_cm, clip_means_cm, without_fingers_cm;
+  std::vector<double> errors_cm, clip_means_cm, with_fingers_cm;
   std::vector<int> clip_frames;
   double jerk = 0, angle_deg = 0, velocity_cm_s = 0, contacts = 0;
   long long frames = 0;
@@ -189,28 +207,28 @@ struct Errors {
   double mean() const { return MeanOf(errors_cm); }
 };
 
-// The same error, a value a frame, over the joints that are not below a wrist: fingers, which some skeletons have, follow the hands.
-std::vector<double> ErrorsWithoutFingers(const MotionBase& base, const std::vector<BasePose>& poses, const std::vector<BasePose>& truth) {
+// The same error, a value a frame, over all joints of the body that have a bone: fingers too, which follow the hands.
+std::vector<double> ErrorsWithFingers(const MotionBase& base, const std::vector<BasePose>& poses, const std::vector<BasePose>& truth) {
   const Skeleton& skeleton = base.skeleton();
-  std::vector<Eigen::Index> kept;
-  for (std::size_t n = 0; n < base.measured_joints().size(); ++n) {
-    bool finger = false;
-    for (int j = skeleton.parent(base.measured_joints()[n]); j >= 0; j = skeleton.parent(j))
-      finger = finger || j == skeleton.roles()[JointRole::kLeftWrist] || j == skeleton.roles()[JointRole::kRightWrist];
-    if (!finger) kept.push_back(static_cast<Eigen::Index>(n));
+  std::vector<int> joints;
+  for (int j = 0; j < skeleton.joint_count(); ++j) {
+    if (j != skeleton.moving_root() && skeleton.IsBody(j) && skeleton.joint(j).offset_m.norm() > 1e-6) joints.push_back(j);
   }
   std::vector<double> errors_cm;
+  WorldPose pose, wanted;
   for (std::size_t f = 0; f < poses.size(); ++f) {
-    const Eigen::VectorXd off = MeasuredPositions(base, poses[f].rotations) - MeasuredPositions(base, truth[f].rotations);
+    base.PelvisPose(poses[f].rotations, &pose);
+    base.PelvisPose(truth[f].rotations, &wanted);
     double sum = 0;
-    for (const Eigen::Index n : kept) sum += off.segment<3>(3 * n).squaredNorm();
-    errors_cm.push_back(100 * std::sqrt(sum / static_cast<double>(kept.size())));
+    for (const int j : joints) sum += (pose.positions.col(j) - wanted.positions.col(j)).squaredNorm();
+    errors_cm.push_back(100 * std::sqrt(sum / static_cast<double>(joints.size())));
   }
   return errors_cm;
 }
 
 struct Outcome : Errors {
   std::map<std::string, Errors> kinds;  // by folder
+  Errors alone, with_like;              // clips that are the only one of their folder and style, and all others
 };
 
 void PrintHead(const std::string& title) {
@@ -221,8 +239,8 @@ void Print(const std::string& name, const Errors& outcome, double nearest_cm) {
   const auto share = static_cast<double>(outcome.frames);
   std::printf("%-62s %7.2f %7.2f %9.2f %7.2f %6.1f° %4.0f cm/s %7.1f %%\n", name.c_str(), outcome.mean(), Quantile(outcome.errors_cm, 0.95),
               outcome.mean() / nearest_cm, outcome.jerk / share, outcome.angle_deg / share, outcome.velocity_cm_s / share, 100 * outcome.contacts / share);
-  if (!outcome.without_fingers_cm.empty() && outcome.without_fingers_cm != outcome.errors_cm && std::abs(MeanOf(outcome.without_fingers_cm) - outcome.mean()) > 0.005)
-    std::printf("    without fingers: %.2f cm, 95 %% %.2f\n", MeanOf(outcome.without_fingers_cm), Quantile(outcome.without_fingers_cm, 0.95));
+  if (!outcome.with_fingers_cm.empty() && outcome.with_fingers_cm != outcome.errors_cm && std::abs(MeanOf(outcome.with_fingers_cm) - outcome.mean()) > 0.005)
+    std::printf("    with fingers: %.2f cm, 95 %% %.2f\n", MeanOf(outcome.with_fingers_cm), Quantile(outcome.with_fingers_cm, 0.95));
   std::fflush(stdout);
 }
 
@@ -325,8 +343,9 @@ class Study {
         const ReconstructionQuality quality = CompareWithTruth(*bases_[s], poses, test.truth);
         outcome.Add(quality);
         outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
-        const std::vector<double> bare = ErrorsWithoutFingers(*bases_[s], poses, PosesOf(*bases_[s], test.truth));
-        outcome.without_fingers_cm.insert(outcome.without_fingers_cm.end(), bare.begin(), bare.end());
+        (IsAlone(i) ? outcome.alone : outcome.with_like).Add(quality);
+        const std::vector<double> whole = ErrorsWithFingers(*bases_[s], poses, PosesOf(*bases_[s], test.truth));
+        outcome.with_fingers_cm.insert(outcome.with_fingers_cm.end(), whole.begin(), whole.end());
         if (each_) std::printf("    %-40s %6.2f cm, jerk x %.2f\n", test.name.c_str(), quality.position_rms_cm, quality.jerk_ratio);
         if (!out_.empty()) Write(*bases_[s], test, poses);
       }
@@ -394,14 +413,24 @@ class Study {
   void Describe() const {
     std::printf("%zu base%s; frames in the first: %lld, at %.0f Hz; %zu joints measured\ntest clips:", bases_.size(), bases_.size() == 1 ? "" : "s",
                 static_cast<long long>(bases_.front()->frame_count()), bases_.front()->frame_rate_hz(), bases_.front()->measured_joints().size());
+    std::size_t tests = 0;
+    for (const Split& split : splits_) tests += split.tests.size();
+    if (tests == recordings_.size()) std::printf(" all %zu", tests);
     for (const Split& split : splits_) {
-      for (const int i : split.tests) std::printf(" %s", recordings_[static_cast<std::size_t>(i)].clip.name.c_str());
+      for (const int i : split.tests) {
+        if (tests < recordings_.size()) std::printf(" %s", recordings_[static_cast<std::size_t>(i)].clip.name.c_str());
+      }
     }
     const OlngModel model(bases_.front(), {});
     std::printf("\nK = %d, I = %d, M = %d\n", model.options().neighbours, model.options().paths, model.options().graph.window_frames);
   }
 
  private:
+  bool IsAlone(int recording) const {
+    const Recording& one = recordings_[static_cast<std::size_t>(recording)];
+    return std::count_if(recordings_.begin(), recordings_.end(), [&](const Recording& other) { return other.folder == one.folder && other.clip.style == one.clip.style; }) == 1;
+  }
+
   void Write(const MotionBase& base, const TestClip& test, const std::vector<BasePose>& poses) const {
     std::filesystem::create_directories(out_);
     WriteFileAtomically(out_ / (test.name + ".bvh"), WriteBvh(ExportClip(base.Assemble(poses))));
@@ -442,10 +471,24 @@ void PlainRows(Study& study, const OlngOptions& options) {
   PrintLike(olng, bound);
 }
 
+// Every clip tried once.
+void FoldRows(Study& study, const OlngOptions& options) {
+  PrintHead("every clip, out of the base");
+  const Outcome nearest = study.Nearest({});
+  Print("nearest neighbour, no paths", nearest, nearest.mean());
+  const Outcome olng = study.Try(options, {});
+  Print("olng", olng, nearest.mean());
+  PrintKinds(olng, nearest);
+  if (olng.alone.frames == 0) return;
+  const auto count = [](const Errors& errors) { return std::to_string(errors.clip_means_cm.size()) + " clips "; };
+  Print("  " + count(olng.with_like) + "that are not alone of their folder and style", olng.with_like, nearest.with_like.mean());
+  Print("  " + count(olng.alone) + "that are", olng.alone, nearest.alone.mean());
+}
+
 void PriorRows(Study& study, const OlngOptions& options) {
   PrintHead("priors");
   const double nearest = study.Nearest({}).mean();
-  Print("kernels", study.Try(options, {}), nearest);
+  Print("kernels", study.Try(WithPrior(options, PriorKind::kKernel), {}), nearest);
   Print("normal distributions, regularised", study.Try(WithPrior(options, PriorKind::kGaussian), {}), nearest);
   OlngOptions bare = WithPrior(options, PriorKind::kGaussian);
   bare.energy.ridge_m /= 10;
@@ -615,6 +658,7 @@ int main(int argc, char** argv) {
   std::string split = "clip";
   std::vector<std::string> rows = {"plain"}, sweep, only;
   bool tune = false, faulty = false, each = false;
+  int folds = 0;
   double tempo = 1;
   std::vector<double> tempos(std::begin(kOlngTempos), std::end(kOlngTempos));
   bool no_tempos = false;
@@ -622,6 +666,7 @@ int main(int argc, char** argv) {
   std::filesystem::path out;
   app.add_option("--data", data, "folders of BVH")->required();
   app.add_option("--split", split, "what is left out of the base: clip, style or folder")->check(CLI::IsMember({"clip", "style", "folder"}));
+  app.add_option("--folds", folds, "try every clip: this many bases, each without its part of the clips")->check(CLI::Range(2, 1000));
   app.add_option("--rows", rows, "tables: plain, priors, faults, tempo, body, sensors, reversed");
   app.add_flag("--tune", tune, "the clips on which defaults are chosen");
   app.add_option("--sweep", sweep, "settings to try, such as K=512,I=32");
@@ -642,7 +687,7 @@ int main(int argc, char** argv) {
       return 0;
     }
     if (no_tempos) tempos.clear();
-    Study study(recordings, MakeSplits(recordings, split, tune, only), tempos, out, each);
+    Study study(recordings, folds > 0 ? MakeFolds(recordings, folds) : MakeSplits(recordings, split, tune, only), tempos, out, each);
     study.UseBases(kFour, {});
     study.Describe();
     if (!sweep.empty()) {
@@ -650,6 +695,10 @@ int main(int argc, char** argv) {
       trial.tempo = tempo;
       if (faulty) trial.faults = BadSensors();
       Sweep(study, options, sweep, trial);
+      return 0;
+    }
+    if (folds > 0) {
+      FoldRows(study, options);
       return 0;
     }
     for (const std::string& row : rows) {

@@ -149,18 +149,22 @@ TEST(OlngEstimator, FindsAMotionThatTheBaseHolds) {
 }
 
 TEST(OlngEstimator, ComesNearerToAnUnknownWalkThanTheNearestNeighbour) {
-  OlngOptions options;
   const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().test);
-  const std::vector<BasePose> poses = RunOlng(readings, options);
-  const ReconstructionQuality quality = CompareWithTruth(*OlngShared().base, poses, OlngShared().test);
-  options.pose = OlngPose::kNearest;
-  const ReconstructionQuality nearest = CompareWithTruth(*OlngShared().base, RunOlng(readings, options), OlngShared().test);
-  EXPECT_LT(quality.position_rms_cm, 0.9 * nearest.position_rms_cm);
-  EXPECT_LT(quality.jerk_ratio, nearest.jerk_ratio);
-  // It goes as far as the walk does, and the last way it went was forwards.
-  const MotionClip clip = OlngShared().base->Assemble(poses);
-  const auto length = [](const MotionClip& of) { return (of.root_positions().rightCols<1>() - of.root_positions().leftCols<1>()).norm(); };
-  EXPECT_NEAR(length(clip) / length(OlngShared().test), 1, 0.1);
+  OlngOptions baseline;
+  baseline.pose = OlngPose::kNearest;
+  const ReconstructionQuality nearest = CompareWithTruth(*OlngShared().base, RunOlng(readings, baseline), OlngShared().test);
+  for (const PriorKind kind : {PriorKind::kKernel, PriorKind::kGaussian}) {
+    OlngOptions options;
+    options.energy.kind = kind;
+    const std::vector<BasePose> poses = RunOlng(readings, options);
+    const ReconstructionQuality quality = CompareWithTruth(*OlngShared().base, poses, OlngShared().test);
+    EXPECT_LT(quality.position_rms_cm, 0.9 * nearest.position_rms_cm) << static_cast<int>(kind);
+    EXPECT_LT(quality.jerk_ratio, nearest.jerk_ratio) << static_cast<int>(kind);
+    // It goes as far as the walk does, and the last way it went was forwards.
+    const MotionClip clip = OlngShared().base->Assemble(poses);
+    const auto length = [](const MotionClip& of) { return (of.root_positions().rightCols<1>() - of.root_positions().leftCols<1>()).norm(); };
+    EXPECT_NEAR(length(clip) / length(OlngShared().test), 1, 0.1);
+  }
 }
 
 TEST(OlngEstimator, PosesDependOnReadingsUntilNowOnly) {
