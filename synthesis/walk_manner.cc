@@ -1,7 +1,9 @@
 #include "synthesis/walk_manner.h"
 
 #include <boost/random/normal_distribution.hpp>
+#include <boost/random/uniform_01.hpp>
 #include <cmath>
+#include <numeric>
 
 #include "synthesis/draw_index.h"
 
@@ -23,10 +25,23 @@ std::vector<size_t> WithManner(const MotionGraph& graph, int style) {
 
 const MannerModel& ModelOf(const MotionGraph& graph, size_t id) { return graph.primitive(static_cast<int>(id)).manner; }
 
-// How much alike the mixture components are that two walks keep to in a primitive, 0 to 1.
+// How much alike the mixture components are that two walks keep to in a primitive, 0 to 1. A walk that keeps to none is like all.
 double Likeness(const Eigen::VectorXd& components, const MannerModel& model, size_t walk) {
+  if (components.size() == 0) return 1;
   const Eigen::VectorXd other = model.components.col(static_cast<Eigen::Index>(walk)).cast<double>();
-  return components.dot(other) / (components.norm() * other.norm());
+  const double cosine = components.dot(other) / (components.norm() * other.norm());
+  return cosine * cosine;  // squared, those of no component in common are as good as never taken for each other
+}
+
+// Of every captured walk its steps, by how much alike its components are.
+std::vector<double> LikeWalks(const MotionGraph& graph, int style, const WalkManner& manner) {
+  std::vector<double> weights;
+  for (const size_t p : WithManner(graph, style)) {
+    const MannerModel& model = ModelOf(graph, p);
+    weights.resize(model.steps.size(), 0);
+    for (size_t walk = 0; walk < weights.size(); ++walk) weights[walk] += Likeness(manner.components[p], model, walk) * model.steps[walk];
+  }
+  return weights;
 }
 
 // The manner of a captured walk, drawn by the walks' weights, and noise for what is not known of it.
@@ -64,26 +79,28 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
 }
 
 void FreeComponents(WalkManner* manner) {
-  for (Eigen::VectorXd& factors : manner->components) factors.setOnes();
+  for (Eigen::VectorXd& factors : manner->components) factors.resize(0);
 }
 
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {
-  std::vector<double> weights;  // of every captured walk, by how much alike its components are
-  for (const size_t p : WithManner(graph, style)) {
-    const MannerModel& model = ModelOf(graph, p);
-    weights.resize(model.steps.size(), 0);
-    for (size_t walk = 0; walk < weights.size(); ++walk) weights[walk] += Likeness(manner->components[p], model, walk) * model.steps[walk];
-  }
+  const std::vector<double> weights = LikeWalks(graph, style, *manner);
   const WalkManner other = DrawCaptured(graph, style, weights, rng);
   const Eigen::Map<const Eigen::VectorXd> shares(weights.data(), static_cast<Eigen::Index>(weights.size()));
   const double sum = shares.sum(), fresh = std::sqrt(1 - kKept * kKept);
+  bool prefers_any = false;
   for (const size_t p : WithManner(graph, style)) {
     if (other.m[p].size() == 0) continue;
     // What m would be on average over all that may be drawn: what is left of a manner and what is new of it must not add up to more than it.
     const Eigen::VectorXd mean = (ModelOf(graph, p).captured * shares.cast<float>()).cast<double>() / sum;
     manner->m[p] = mean + kKept * (manner->m[p] - mean) + fresh * (other.m[p] - mean);
-    manner->components[p] = kKept * manner->components[p] + (1 - kKept) * other.components[p];
+    prefers_any = prefers_any || manner->components[p].size() > 1;
   }
+  // Factors are taken over whole: a mean of several walks' would let every long walk turn as little as the mean of them.
+  boost::random::uniform_01<double> chance;
+  if (!prefers_any || chance(rng) >= 1 - kKept) return;
+  // Metropolis and Hastings: so that walks which many others are like are not met ever more often.
+  const std::vector<double> back = LikeWalks(graph, style, other);
+  if (chance(rng) * std::accumulate(back.begin(), back.end(), 0.0) < sum) manner->components = other.components;
 }
 
 }  // namespace morphograph

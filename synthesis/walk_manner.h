@@ -11,7 +11,7 @@ namespace morphograph {
 /// The manner of a walk under way, by primitive id; empty vectors for primitives of other styles and for those without a manner.
 struct WalkManner {
   std::vector<Eigen::VectorXd> m;           // of MannerModel
-  std::vector<Eigen::VectorXd> components;  // factors on the chances of mixture components
+  std::vector<Eigen::VectorXd> components;  // factors on the chances of mixture components; empty: all 1
 };
 
 /// How often a captured walk's manner is met: at a step drawn from all steps, or at a time drawn from all time. Slow walks hold more
@@ -22,10 +22,11 @@ enum class MetAt { kStep, kTime };
 /// captured walk goes together here.
 WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng);
 
-/// Lets a walk of that manner meet the mixture components of every primitive as often as all walks do.
+/// Lets a walk of that manner meet the mixture components of every primitive as often as all walks do, however far it goes.
 void FreeComponents(WalkManner* manner);
 
-/// The manner a step later. It drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance.
+/// The manner a step later. m drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance; now and then the components become those of another such
+/// walk. Over many steps captured walks are met by their steps.
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner);
 
 }  // namespace morphograph

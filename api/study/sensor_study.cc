@@ -82,7 +82,7 @@ StudySection StudySensors(StudyContext& context) {
   section.text =
       "Sensors at wrists and ankles are simulated on clips that no base holds, nor their mirrored copies, and the motion is looked for among the other clips and their mirrored copies (Tautges 2011): "
       "nearest readings, joined to paths by the online lazy neighbourhood graph, and a pose of least energy from the ends of the best paths. The error of a frame is the root mean square distance of "
-      "the joints in the frame of the pelvis; jerk is the root mean square third difference of the joints' places, over the truth's: lower error is better, jerk is best at 1.";
+      "the body's joints, without fingers, in the frame of the pelvis; jerk is the root mean square third difference of the joints' places, over the truth's: lower error is better, jerk is best at 1.";
   const std::vector<MotionClip>& clips = context.clips(StudyData::kClean);
   const std::vector<int> tests = TestClips(clips, options, context.styles());
   const std::vector<Placement> sensors = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});
@@ -159,6 +159,8 @@ StudySection StudySensors(StudyContext& context) {
 
   const double kernels = results[kKernels].mean_cm();
   section.figures = {
+      {.what = "error of olng (normal distributions, regularised), four accelerometers", .value = results[kGaussian].mean_cm(), .unit = "cm", .at_most = 2.7, .note = "clips left out, their styles in the base"},
+      {.what = "jerk of olng / truth", .value = results[kGaussian].jerk_ratio(), .at_least = 0.8, .at_most = 1.3},
       {.what = "error of kernel priors, four accelerometers", .value = kernels, .unit = "cm", .at_most = 2.7, .note = "clips left out, their styles in the base"},
       {.what = "the same / nearest neighbour", .value = RatioTo(kernels, results[kNearest].mean_cm()), .at_most = 0.75},
       {.what = "jerk of kernel priors / truth", .value = results[kKernels].jerk_ratio(), .at_least = 0.8, .at_most = 1.3},
@@ -169,7 +171,8 @@ StudySection StudySensors(StudyContext& context) {
   section.text +=
       "\n\nTautges et al. report about 30 % less error with kernel priors than with normal distributions. A normal distribution of a few dozen neighbours in a space of as many dimensions has directions "
       "without any spread; unless its covariance is widened by what a neighbourhood cannot tell (here 2 cm and 0.02 rad), these forbid what is only unseen, and the error is anything. Widened, they come "
-      "about as near on the recordings that this was developed on (bnr), and what kernels add is smoothness. Here, with least acceleration in place of priors of motion, jerk is " +
+      "as near as kernels on the recordings that this was developed on (bnr), and nearer for a person that the base does not hold, so that they are what the method olng takes; olng_kernels takes kernels. Against least "
+      "acceleration, what priors of motion add is smoothness. Here, with least acceleration, jerk is " +
       std::to_string(results[kLeastAcceleration].jerk_ratio()).substr(0, 4) + " times the truth's, with kernels " + std::to_string(results[kKernels].jerk_ratio()).substr(0, 4) + " times.";
   return section;
 }

@@ -15,6 +15,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kAttempts = 8;
+constexpr int kLostWays = 3;         // plans that end nowhere before a request is given up that none has met yet
 constexpr double kBudget = 1e6;        // of a request, in units of SteerBudget
 constexpr double kOddSwing = 0.1;      // beyond the range of swings, in parts of it: rather than that, another walk is drawn
 constexpr double kLookAhead_s = 2;  // of a walk, to see which foot it lifts first
@@ -136,14 +137,17 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   std::optional<SteeredWalk> odd;  // does all that is asked, by the least odd swing
   SteerBudget budget(kBudget);
   std::vector<UnmetField> too_short;
+  int lost = 0;
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (attempt > 0 && budget.spent()) break;
     WalkPlan plan;
     try {
       plan = PlanSteps(&problem, attempt + 1, &kinematics, &budget, rng);
     } catch (const UnsatisfiableRequest&) {
-      if (best.outcomes.empty() && !odd) throw;
-      break;  // the walks before say more of what is missing
+      if (!best.outcomes.empty() || odd) break;  // the walks before say more of what is missing
+      if (++lost < kLostWays && !budget.spent()) continue;  // a wider search may find the way
+      if (too_short.empty()) throw;
+      break;
     }
     if (std::vector<UnmetField> past = MomentsPastTheEnd(problem, plan); !past.empty()) {
       too_short = std::move(past);  // another walk may take longer

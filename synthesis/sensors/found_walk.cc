@@ -151,7 +151,6 @@ void Locate(const MotionGraph& graph, int style, std::vector<DrawnStep>* walk) {
     const MannerModel& model = graph.primitive(static_cast<int>(p)).manner;
     if (model.empty() || graph.primitive(static_cast<int>(p)).style_index != style) continue;
     if (manner.m[p].size() == 0) manner.m[p] = Eigen::VectorXd::Zero(model.captured.rows());
-    manner.components[p] = model.components.cast<double>().rowwise().mean();
   }
   for (std::size_t k = 0; k < walk->size(); ++k) {
     WalkStep& step = (*walk)[k].step;

@@ -1,5 +1,6 @@
 #include "synthesis/sensors/motion_base.h"
 
+#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -142,10 +143,11 @@ MotionBase::MotionBase(const std::vector<MotionClip>& clips, std::vector<Placeme
   std::erase_if(sets, [](const auto& set) { return set.empty(); });
   if (sets.empty()) throw std::invalid_argument("MotionBase: no clip is long enough");
   skeleton_ = clips.front().shared_skeleton();
-  JointsOf(sensors_, *skeleton_);  // throws where one does not exist
+  const std::vector<int> sensed = JointsOf(sensors_, *skeleton_);  // throws where one does not exist
   active_joints_ = MovingJoints(sets);
   for (int j = 0; j < skeleton_->joint_count(); ++j) {
-    if (j != skeleton_->moving_root() && skeleton_->IsBody(j) && skeleton_->joint(j).offset_m.norm() > kNoBone_m && !IsFinger(*skeleton_, j)) measured_joints_.push_back(j);
+    if (j == skeleton_->moving_root() || !skeleton_->IsBody(j) || skeleton_->joint(j).offset_m.norm() <= kNoBone_m) continue;
+    if (!IsFinger(*skeleton_, j) || std::find(sensed.begin(), sensed.end(), j) != sensed.end()) measured_joints_.push_back(j);
   }
   mean_rotations_ = MeansOf(sets);
   rotations_.resize(3 * static_cast<Eigen::Index>(active_joints_.size()), frames);

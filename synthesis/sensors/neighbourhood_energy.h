@@ -18,7 +18,7 @@ enum class PriorKind {
 
 /// Weights of Tautges' Eqs. 2 and 3, as section 5.3 has them, and how the priors are made. Rotations count in rad, positions in metres.
 struct NeighbourhoodEnergyOptions {
-  PriorKind kind = PriorKind::kGaussian;  // on data unlike the base it is nearer and smoother than kernels, and no worse on its own (README, "Priors")
+  PriorKind kind = PriorKind::kGaussian;  // nearer than kernels for people that the base does not hold, smoother for its unknown styles too, and no worse for what it knows (README, "Priors")
   double control = 1, prior = 5;
   double pose = 0.6, motion = 0.2, smooth = 0.2;  // within the prior
   double kept_variance = 0.99;                    // of the neighbours' poses by the subspace in which the pose is sought

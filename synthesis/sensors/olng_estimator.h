@@ -60,9 +60,9 @@ class OlngModel {
 };
 
 /// Motion from a stream of accelerations by the online lazy neighbourhood graph (Tautges et al. 2011): nearest readings of the base, joined to paths; the pose is that of
-/// least energy under kernel priors from the ends of the best paths; the root goes as theirs do on the average, faster or slower as the paths do.
+/// least energy under priors from the ends of the best paths; the root goes as theirs do on the average, faster or slower as the paths do.
 ///
-/// Departures: Eq. 1 takes the (I+1)-th cost for the largest, so that no path is left without weight and I = 1 is defined. Eq. 6 as printed lands one frame late; with
+/// Departures: priors are regularised normal distributions unless PriorKind::kKernel asks for the published kernels. Eq. 1 takes the (I+1)-th cost for the largest, so that no path is left without weight and I = 1 is defined. Eq. 6 as printed lands one frame late; with
 /// -1/2 a dt^2 it is the difference of the neighbour's last two frames. Eq. 9 is centred at t, and so are the accelerations it is compared with. Eq. 10 takes velocities
 /// at the paths' previous frames, and for gravity the tilt of the pose before, which the neighbours gave. Velocities and accelerations are scaled by the
 /// tempo of the path and its square.

@@ -3,7 +3,7 @@
 //   sensor_benchmark --data bnr/walk bnr/walk-turn-left bnr/walk-turn-right                 test clips out of the base, their styles in it
 //   sensor_benchmark --data … --split style                                                 and without their style
 //   sensor_benchmark --data cmu/07 cmu/08 --split folder                                    without the folder that they are from (a person)
-//   sensor_benchmark --data … --folds 8                                                     every clip tried once, on a base of seven eighths of the others
+//   sensor_benchmark --data … --folds 8                                                     every clip tried, on a base of the seven eighths that it is not in
 //   sensor_benchmark --data … --rows plain priors faults tempo body sensors reversed        which tables; plain alone when not given
 //   sensor_benchmark --data … --speed 600000                                                a base of that many frames, by mirrored and retimed copies
 //
@@ -11,7 +11,7 @@
 // there are two or more; it and its mirrored copy are in no base. With --split folder all clips of the folder are. --tune takes number n/4 and leaves the
 // test clips out of every base too: defaults were chosen there.
 //
-// Error: root mean square distance of the joints in the pelvis frame, cm, a value a frame, from the first frame on; mean and 95th percentile are over all frames of all test
+// Error: root mean square distance of the body's joints, without fingers, in the pelvis frame, cm, a value a frame, from the first frame on; mean and 95th percentile are over all frames of all test
 // clips. Jerk: times the truth's, by clips weighted by frames. Lower is better for all but jerk, which is best at 1.
 #include <sys/resource.h>
 
@@ -114,7 +114,7 @@ std::vector<int> TestClips(const std::vector<Recording>& recordings, double plac
   return tests;
 }
 
-// Every recording is tried: those whose number leaves the same rest are tried together, on a base of all others.
+// Every recording is tried: those whose number leaves the same remainder are tried together, on a base of all others.
 std::vector<Split> MakeFolds(const std::vector<Recording>& recordings, int folds) {
   std::vector<Split> splits(static_cast<std::size_t>(folds));
   for (int i = 0; i < static_cast<int>(recordings.size()); ++i) {
@@ -666,7 +666,6 @@ int main(int argc, char** argv) {
   std::filesystem::path out;
   app.add_option("--data", data, "folders of BVH")->required();
   app.add_option("--split", split, "what is left out of the base: clip, style or folder")->check(CLI::IsMember({"clip", "style", "folder"}));
-  app.add_option("--folds", folds, "try every clip: this many bases, each without its part of the clips")->check(CLI::Range(2, 1000));
   app.add_option("--rows", rows, "tables: plain, priors, faults, tempo, body, sensors, reversed");
   app.add_flag("--tune", tune, "the clips on which defaults are chosen");
   app.add_option("--sweep", sweep, "settings to try, such as K=512,I=32");
@@ -676,6 +675,7 @@ int main(int argc, char** argv) {
   app.add_flag("--no-tempos", no_tempos, "none of these");
   app.add_option("--speed", speed, "time a frame on a base of this many frames");
   app.add_option("--only", only, "test clips of these folders only, such as 07 08");
+  app.add_option("--folds", folds, "try every clip: this many bases, each without its part of the clips")->check(CLI::Range(2, 1000))->excludes("--split")->excludes("--tune")->excludes("--only")->excludes("--rows");
   app.add_flag("--each", each, "a line a test clip as well");
   app.add_option("--out", out, "a folder for what is made of the test clips, and the truth, as BVH");
   CLI11_PARSE(app, argc, argv);

@@ -120,7 +120,7 @@ TEST(CapturedQuality, WalksOfOneStyleOfBnrAreAsGoodAsTheirRecordings) {
 }
 
 // A walker who goes straight on when not told a way must not creep along a bending one for want of steps that turn.
-TEST(CapturedQuality, WalksOnABendingWayAreHardlySlowerThanUntoldOnes) {
+TEST(CapturedQuality, WalksDoNotCreepAlongABendingWay) {
   MORPHOGRAPH_REQUIRE_SHARED_DATA();
   const auto graph = Learn(WalksAndTurnsOfBnr("elderly"));
   double told_m_s = 0, untold_m_s = 0;

@@ -32,6 +32,8 @@ TEST(MotionBase, FingersAreNotMeasured) {
   EXPECT_EQ(std::count(without.begin(), without.end(), bare.skeleton().Find("LeftHand")), 1) << "wrists are";
   EXPECT_EQ(std::count(without.begin(), without.end(), bare.skeleton().moving_root()), 0);
   EXPECT_EQ(measured(WithJoint(bare, "LeftHandIndex1", "LeftHand")), without);
+  const MotionClip fingered = WithJoint(bare, "LeftHandIndex1", "LeftHand");
+  EXPECT_EQ(MotionBase({fingered}, PlacementsAtJoints({"LeftHandIndex1"}), {}).measured_joints().size(), without.size() + 1) << "but those with a sensor are";
   const MotionClip horned = WithJoint(bare, "Horn", "Head");
   EXPECT_EQ(measured(horned).size(), without.size() + 1);
   EXPECT_EQ(measured(horned).back(), horned.skeleton().Find("Horn"));

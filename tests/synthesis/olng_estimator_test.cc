@@ -167,6 +167,16 @@ TEST(OlngEstimator, ComesNearerToAnUnknownWalkThanTheNearestNeighbour) {
   }
 }
 
+// What the README says of both: the published kernels are there to be asked for.
+TEST(OlngEstimator, TakesNormalDistributionsUnlessAskedForKernels) {
+  OlngOptions normal, kernels;
+  normal.energy.kind = PriorKind::kGaussian;
+  kernels.energy.kind = PriorKind::kKernel;
+  const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().test).leftCols(20);
+  EXPECT_EQ(RunOlng(readings, {}).back().rotations, RunOlng(readings, normal).back().rotations);
+  EXPECT_NE(RunOlng(readings, {}).back().rotations, RunOlng(readings, kernels).back().rotations);
+}
+
 TEST(OlngEstimator, PosesDependOnReadingsUntilNowOnly) {
   OlngOptions options;
   const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().test);

@@ -116,11 +116,34 @@ TEST(WalkManner, FreedMeetsAllComponentsAndKeepsItsManner) {
   WalkManner manner = DrawManner(graph, 0, MetAt::kStep, rng);
   const double before = manner.m[0][0];
   FreeComponents(&manner);
-  EXPECT_EQ(manner.components[0], Eigen::Vector2d::Ones());
-  EXPECT_EQ(manner.components[1], Eigen::Vector2d::Ones());
+  EXPECT_EQ(manner.components[0].size(), 0);
   EXPECT_EQ(manner.m[0][0], before);
-  for (int step = 0; step < 20; ++step) DriftManner(graph, 0, rng, &manner);
-  EXPECT_GT(manner.components[0].minCoeff(), 0.7);  // and stays free for longer than any way takes
+  for (int step = 0; step < 500; ++step) DriftManner(graph, 0, rng, &manner);
+  EXPECT_EQ(manner.components[0].size(), 0);
+  EXPECT_EQ(manner.components[1].size(), 0);
+  EXPECT_TRUE(manner.m[0].allFinite());
+}
+
+// Walks that are like many others must not be met ever more often, and none may become a mean of several.
+TEST(WalkManner, LongWalksKeepToComponentsOfCapturedOnesByTheirSteps) {
+  GraphContents contents = TwoKindsOfWalks();
+  for (MotionPrimitive& primitive : contents.primitives) {  // a third of the walks of A keep to both components
+    for (int i = 0; i < kWalksOfAComponent / 3; ++i) primitive.manner.components.col(i) = Eigen::Vector2f(1, 1);
+  }
+  const MotionGraph graph(std::move(contents), "");
+  std::mt19937_64 rng(9);
+  Moments of_a, both;
+  for (int walk = 0; walk < 60; ++walk) {
+    WalkManner manner = DrawManner(graph, 0, MetAt::kStep, rng);
+    for (int step = 0; step < 1500; ++step) {
+      DriftManner(graph, 0, rng, &manner);
+      const double factor = manner.components[0][0];
+      ASSERT_TRUE(std::abs(factor - 1.99) < 1e-6 || std::abs(factor - 0.01) < 1e-6 || factor == 1) << factor;
+      of_a.Add(factor > 1.5), both.Add(factor == 1);
+    }
+  }
+  EXPECT_NEAR(both.mean(), 1.0 / 6, 0.04);
+  EXPECT_NEAR(of_a.mean(), 1.0 / 3, 0.07);
 }
 
 TEST(WalkManner, IsEmptyWithoutModels) {
