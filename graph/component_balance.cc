@@ -1,5 +1,6 @@
 #include "graph/component_balance.h"
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -58,6 +59,36 @@ Met FromWeights(const SteadyStyle& style, const std::vector<FittedPrimitive>& fi
   return met;
 }
 
+// How often a captured walk has met each component of each primitive, summing to 1 over each primitive.
+Met Captured(const SteadyStyle& style, const std::vector<FittedPrimitive>& fitted, size_t walk) {
+  Met met = FromWeights(style, fitted);
+  for (auto& [p, values] : met) {
+    for (int c = 0; c < values.size(); ++c) values[c] *= Factor(fitted[static_cast<size_t>(p)].primitive, walk, c);
+    values /= values.sum();
+  }
+  return met;
+}
+
+// Scales every walk's factors until walks of its manner meet what it has met.
+void BalanceWalks(const SteadyStyle& style, std::vector<FittedPrimitive>* fitted) {
+  constexpr double kMost = 2;  // of a factor, a round: components are far from independent of each other
+  for (size_t walk = 0; walk < style.walks.size(); ++walk) {
+    const Met captured = Captured(style, *fitted, walk);
+    for (int round = 0; round < kRounds; ++round) {
+      Met met = FromWeights(style, *fitted);
+      MakeStationary(style, *fitted, walk, &met);
+      for (const auto& [p, values] : met) {
+        MannerModel& manner = (*fitted)[static_cast<size_t>(p)].primitive.manner;
+        if (manner.empty()) continue;
+        for (int c = 0; c < values.size(); ++c) {
+          const double drawn = values[c] / values.sum();
+          if (drawn > kRarest) manner.components(c, static_cast<Eigen::Index>(walk)) *= static_cast<float>(std::clamp(captured.at(p)[c] / drawn, 1 / kMost, kMost));
+        }
+      }
+    }
+  }
+}
+
 void Balance(const std::vector<FittedPrimitive>& fitted, SteadyStyle* style) {
   for (int round = 0; round < kRounds; ++round) {
     Met mean;
@@ -84,7 +115,8 @@ void Balance(const std::vector<FittedPrimitive>& fitted, SteadyStyle* style) {
 
 }  // namespace
 
-void BalanceComponents(const std::vector<FittedPrimitive>& fitted, std::vector<GraphEdge>* edges) {
+void BalanceComponents(std::vector<FittedPrimitive>* all, std::vector<GraphEdge>* edges) {
+  const std::vector<FittedPrimitive>& fitted = *all;
   std::map<int, SteadyStyle> styles;
   for (size_t p = 0; p < fitted.size(); ++p) {
     const MotionPrimitive& primitive = fitted[p].primitive;
@@ -100,8 +132,13 @@ void BalanceComponents(const std::vector<FittedPrimitive>& fitted, std::vector<G
     if (IsSteady(from) && IsSteady(fitted[static_cast<size_t>(edge.to)].primitive)) styles[from.style_index].edges.push_back(&edge);
   }
   for (auto& [index, style] : styles) {
-    if (style.walks.empty()) style.walks = {1};
-    if (!style.edges.empty()) Balance(fitted, &style);
+    if (style.edges.empty()) continue;
+    if (style.walks.empty()) {
+      style.walks = {1};
+    } else {
+      BalanceWalks(style, all);
+    }
+    Balance(fitted, &style);
   }
 }
 

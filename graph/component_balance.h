@@ -7,12 +7,13 @@
 
 namespace morphograph {
 
-/// Makes steady walks meet every mixture component as often as the capture does.
+/// Makes steady walks meet every mixture component as often as captured ones do.
 ///
 /// Which component the next step belongs to depends on the one before (TransitionModel::component_chances) and on the manner of the walk
 /// (MannerModel::components); each is right by itself, but together they meet some components too often: walks that turn much turn ever
-/// more. For every captured walk's manner the stationary distribution of components is worked out; the chances of entering a component
-/// are scaled until the mean over the walks is the mixture's weight.
-void BalanceComponents(const std::vector<FittedPrimitive>& fitted, std::vector<GraphEdge>* edges);
+/// more. For every captured walk's manner the stationary distribution of components is worked out. Its factors are scaled until that is what the walk itself
+/// has met; then the chances of entering a component, until the mean over the walks is the mixture's weight.
+/// @param fitted  MannerModel::components of its steady primitives are changed.
+void BalanceComponents(std::vector<FittedPrimitive>* fitted, std::vector<GraphEdge>* edges);
 
 }  // namespace morphograph

@@ -120,7 +120,7 @@ std::shared_ptr<const MotionGraph> BuildGraph(const std::vector<TrainingClip>& c
   });
   if (options.variant.manner) FitManners(set, &fitted);
   contents.edges = FitEdges(set, fitted, options, &progress, &notes);
-  if (options.variant.transition == TrainingVariant::Transition::kStationary) BalanceComponents(fitted, &contents.edges);
+  if (options.variant.transition == TrainingVariant::Transition::kStationary) BalanceComponents(&fitted, &contents.edges);
   contents.changes = FindActionChanges(set, fitted, contents.action, &notes);
   for (FittedPrimitive& f : fitted) contents.primitives.push_back(std::move(f.primitive));
 

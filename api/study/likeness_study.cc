@@ -279,7 +279,7 @@ StudySection StudyLikeness(StudyContext& context) {
   }
   for (const std::string& style : missing) section.text += "\n\nThe model cannot walk in style " + StyleLabel(style) + ": too few steps.";
 
-  const std::vector<Cut> cuts = {{"clips as they are", "whole", false, 3}, {"a second off both ends", "trimmed", true, 12}};
+  const std::vector<Cut> cuts = {{"clips as they are", "whole", false, 12}, {"a second off both ends", "trimmed", true, 12}};
   for (size_t c = 0; c < cuts.size(); ++c) {
     const Cut& cut = cuts[c];
     const std::vector<MotionClip> clips = CutClips(captured, cut);

@@ -37,11 +37,11 @@ GraphEdge Edge(int from, int to) {
   return edge;
 }
 
-// Part of turns in long walks, by drawing them.
-double Turns(const std::vector<FittedPrimitive>& fitted, const std::vector<GraphEdge>& edges) {
+// Part of turns in long walks of the manners of these captured ones, by drawing them.
+double Turns(const std::vector<FittedPrimitive>& fitted, const std::vector<GraphEdge>& edges, const std::vector<int>& walks = {0, 1}) {
   std::mt19937_64 rng(5);
   double turns = 0, steps = 0;
-  for (int walk = 0; walk < 2; ++walk) {
+  for (const int walk : walks) {
     const MannerModel& manner = fitted[0].primitive.manner;
     int at = 0, component = 0;
     for (int step = 0; step < 100000; ++step) {
@@ -58,12 +58,14 @@ double Turns(const std::vector<FittedPrimitive>& fitted, const std::vector<Graph
 }
 
 TEST(ComponentBalance, WalksTurnAsOftenAsCapturedOnes) {
-  const std::vector<FittedPrimitive> fitted = {Steps(KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance),
-                                               Steps(KeyframeLabel::kRightStance, KeyframeLabel::kLeftStance)};
+  std::vector<FittedPrimitive> fitted = {Steps(KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance),
+                                         Steps(KeyframeLabel::kRightStance, KeyframeLabel::kLeftStance)};
   std::vector<GraphEdge> edges = {Edge(0, 1), Edge(1, 0)};
   ASSERT_GT(std::abs(Turns(fitted, edges) - kTurning), 0.02);
-  BalanceComponents(fitted, &edges);
+  BalanceComponents(&fitted, &edges);
   EXPECT_NEAR(Turns(fitted, edges), kTurning, 0.005);
+  EXPECT_NEAR(Turns(fitted, edges, {0}), 0.1, 0.005) << "each as often as itself";
+  EXPECT_NEAR(Turns(fitted, edges, {1}), 0.5, 0.005);
   for (const GraphEdge& edge : edges) {
     EXPECT_NEAR(edge.model.component_chances.row(0).sum(), 1, 1e-12);
     EXPECT_NEAR(edge.model.component_chances.row(1).sum(), 1, 1e-12);
@@ -74,11 +76,11 @@ TEST(ComponentBalance, WalksTurnAsOftenAsCapturedOnes) {
 
 TEST(ComponentBalance, StepsIntoAWalkKeepTheirChances) {
   FittedPrimitive start = Steps(KeyframeLabel::kStanding, KeyframeLabel::kRightStance);
-  const std::vector<FittedPrimitive> fitted = {Steps(KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance),
-                                               Steps(KeyframeLabel::kRightStance, KeyframeLabel::kLeftStance), start};
+  std::vector<FittedPrimitive> fitted = {Steps(KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance),
+                                         Steps(KeyframeLabel::kRightStance, KeyframeLabel::kLeftStance), start};
   std::vector<GraphEdge> edges = {Edge(0, 1), Edge(1, 0), Edge(2, 1)};
   const Eigen::MatrixXd before = edges[2].model.component_chances;
-  BalanceComponents(fitted, &edges);
+  BalanceComponents(&fitted, &edges);
   EXPECT_EQ(edges[2].model.component_chances, before);
 }
 

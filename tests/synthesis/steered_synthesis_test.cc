@@ -122,6 +122,13 @@ TEST(SteeredSynthesis, PutsAHandAndAFootWhereAsked) {
   EXPECT_GT(index, 3);
 }
 
+const PlantedFoot& LeftStep(const SynthesisResult& result, int index) {
+  for (const PlantedFoot& foot : result.report.contacts) {
+    if (foot.interval.foot == Foot::kLeft && index-- == 0) return foot;
+  }
+  throw std::out_of_range("the clip has fewer steps");
+}
+
 // The search begins with the foot that comes down there in turn: steps are not stretched to be one step ahead.
 TEST(SteeredSynthesis, PutsFeetDownInTurn) {
   double steered = 0, free = 0;
@@ -132,16 +139,15 @@ TEST(SteeredSynthesis, PutsFeetDownInTurn) {
     request.seed += 100;
     const SynthesisResult other = Synthesize(Model(), request);
     request.seed = seed;
-    FootstepTerm step{.left = true, .index = 3, .value_m = Eigen::Vector2d::Zero(), .tolerance_m = 0.02};
-    int index = 0;
-    for (const PlantedFoot& foot : other.report.contacts) {
-      if (foot.interval.foot == Foot::kLeft && index++ == 3) step.value_m = foot.position_m;
-    }
-    request.control.constraints = {step};
+    const PlantedFoot& wanted = LeftStep(other, 3);
+    request.control.constraints = {FootstepTerm{.left = true, .index = 3, .value_m = wanted.position_m, .tolerance_m = 0.02}};
     const SynthesisResult result = Synthesize(Model(), request);
     ExpectAllMet(result, 1);
     steered += MeanSpeed(result);
-    EXPECT_NEAR(MeanSpeed(result) / MeanSpeed(other), 1, 0.25) << "seed " << seed;
+    // Not before its turn, which would come earlier by a step in seven; slow walkers may take their time.
+    const double time = LeftStep(result, 3).interval.first / static_cast<double>(wanted.interval.first);
+    EXPECT_GT(time, 0.8) << "seed " << seed;
+    EXPECT_LT(time, 1.4) << "seed " << seed;
   }
   EXPECT_NEAR(steered / free, 1, 0.06);
 }
@@ -224,8 +230,8 @@ TEST(SteeredSynthesis, StepsAreToKeepTime) {
     };
     more += (cost(5) - cost(2)) / kWalks;
   }
-  const double by_time = 0.5 * std::pow((5 - 2.576) / 0.25, 2);
-  EXPECT_NEAR(more, by_time, 0.3 * by_time);
+  const double by_time = 0.5 * std::pow((5 - 2.576) / 0.25, 2), by_prior = 0.5 * (5 * 5 - 2 * 2);
+  EXPECT_NEAR(more, by_time + by_prior, 0.3 * by_time);
 }
 
 // Bends tighter than recorded ones (radii under a metre) are not made by one swing that no walker makes.
