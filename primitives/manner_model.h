@@ -15,7 +15,8 @@ struct MannerModel {
   /// Best linear prediction of m for each captured walk, (D x walks). Column c is the same walk in every
   /// primitive of a style, so that a manner is one of the whole body and of both legs.
   Eigen::MatrixXf captured;
-  /// How much more often than in all walks a mixture component is met in each, (mixture components x walks); 1 where nothing is known.
+  /// Factors on the chances of mixture components (BalanceComponents), with which walks of each manner meet them as often as the captured walk did, (mixture components x
+  /// walks).
   Eigen::MatrixXf components;
   std::vector<int> steps;    // (walks) steps of this primitive that a column rests on; 0: nothing is known, the column is 0
   std::vector<float> seconds;  // (walks) that these took

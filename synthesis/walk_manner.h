@@ -22,7 +22,7 @@ enum class MetAt { kStep, kTime };
 /// captured walk goes together here.
 WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt19937_64& rng);
 
-/// Lets a walk of that manner meet the mixture components of every primitive as often as all walks do, however far it goes.
+/// Lets a walk of that manner meet the mixture components of every primitive about as often as all walks together do, however far it goes.
 void FreeComponents(WalkManner* manner);
 
 /// The manner a step later. m drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance; now and then the components become those of another such

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <exception>
 #include <numbers>
 #include <optional>
 #include <type_traits>
@@ -15,6 +16,7 @@ namespace morphograph {
 namespace {
 
 constexpr int kAttempts = 8;
+constexpr double kDawdling = 1.15;   // a walker's own steps may take this many times as long as any of the style
 constexpr int kLostWays = 3;         // plans that end nowhere before a request is given up that none has met yet
 constexpr double kBudget = 1e6;        // of a request, in units of SteerBudget
 constexpr double kOddSwing = 0.1;      // beyond the range of swings, in parts of it: rather than that, another walk is drawn
@@ -128,6 +130,32 @@ WalkPlan PlanSteps(ControlProblem* problem, int effort, KinematicsCache* kinemat
   return PlanWalk(problem->graph, guide, effort, kinematics, budget, rng);
 }
 
+// Plans a walk of the steps that its walker keeps to, or, tried again, of any: who walks straight on when untold may not have those that turn. Along a way such a
+// walker would creep rather than end nowhere.
+WalkPlan PlanByManner(ControlProblem* problem, int effort, KinematicsCache* kinematics, SteerBudget* budget, std::mt19937_64& rng) {
+  const auto plan = [&](bool any_steps) {
+    problem->guide.any_steps = any_steps;
+    return PlanSteps(problem, effort, kinematics, budget, rng);
+  };
+  if (effort > 1) return plan(true);
+  std::optional<WalkPlan> own;
+  try {
+    own = plan(false);
+    if (!problem->guide.path) return *own;
+  } catch (const UnsatisfiableRequest&) {
+    if (budget->spent()) throw;
+  }
+  const std::optional<bool> counted = problem->guide.counts_rear_foot;
+  try {
+    WalkPlan any = plan(true);
+    if (!own || own->frames > kDawdling * any.frames) return any;
+  } catch (const UnsatisfiableRequest&) {
+    if (!own) throw;
+  }
+  problem->guide.counts_rear_foot = counted;
+  return *own;
+}
+
 }  // namespace
 
 SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request, int style, double frame_rate_hz, std::mt19937_64& rng) {
@@ -138,15 +166,17 @@ SteeredWalk SteerWalk(const MotionGraph& graph, const SynthesisRequest& request,
   SteerBudget budget(kBudget);
   std::vector<UnmetField> too_short;
   int lost = 0;
+  std::exception_ptr why_lost;  // at first; later ones may only tell of a budget that is spent
   for (int attempt = 0; attempt < kAttempts; ++attempt) {
     if (attempt > 0 && budget.spent()) break;
     WalkPlan plan;
     try {
-      plan = PlanSteps(&problem, attempt + 1, &kinematics, &budget, rng);
+      plan = PlanByManner(&problem, attempt + 1, &kinematics, &budget, rng);
     } catch (const UnsatisfiableRequest&) {
+      if (!why_lost) why_lost = std::current_exception();
       if (!best.outcomes.empty() || odd) break;  // the walks before say more of what is missing
       if (++lost < kLostWays && !budget.spent()) continue;  // a wider search may find the way
-      if (too_short.empty()) throw;
+      if (too_short.empty()) std::rethrow_exception(why_lost);
       break;
     }
     if (std::vector<UnmetField> past = MomentsPastTheEnd(problem, plan); !past.empty()) {

@@ -55,6 +55,8 @@ struct WalkGuide {
   std::vector<FootPlace> feet;
   /// Whether a clip that begins inside a walk counts as planted the foot that is about to be lifted; as the primitive's contacts have it, where empty.
   std::optional<bool> counts_rear_foot;
+  /// Whether any mixture component may be met about as often as all walks of the style meet it, not as the drawn walker does.
+  bool any_steps = false;
 
   bool stops() const { return to != WalkBoundary::kWalking; }
 };

@@ -111,7 +111,7 @@ class Search {
   PlannedStep First() {
     PlannedStep planned;
     planned.step = DrawStart(graph_, guide_.style, guide_.from, [&](int p) { return LeadsOn(graph_, p); }, rng_);
-    FreeComponents(&planned.step.manner);  // who walks straight on when untold must be able to turn where a way or a place asks for it
+    if (guide_.any_steps) FreeComponents(&planned.step.manner);
     double begins = 0;
     if (guide_.from != WalkBoundary::kWalking) {
       const StepShape shape = graph_.primitive(planned.step.primitive).Shape(planned.step.latent);
