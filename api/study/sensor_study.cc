@@ -82,7 +82,7 @@ StudySection StudySensors(StudyContext& context) {
   section.text =
       "Sensors at wrists and ankles are simulated on clips that no base holds, nor their mirrored copies, and the motion is looked for among the other clips and their mirrored copies (Tautges 2011): "
       "nearest readings, joined to paths by the online lazy neighbourhood graph, and a pose of least energy from the ends of the best paths. The error of a frame is the root mean square distance of "
-      "the body's joints, without fingers, in the frame of the pelvis; jerk is the root mean square third difference of the joints' places, over the truth's: lower error is better, jerk is best at 1.";
+      "the joints in the frame of the pelvis; jerk is the root mean square third difference of the joints' places, over the truth's: lower error is better, jerk is best at 1.";
   const std::vector<MotionClip>& clips = context.clips(StudyData::kClean);
   const std::vector<int> tests = TestClips(clips, options, context.styles());
   const std::vector<Placement> sensors = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});

@@ -1,6 +1,5 @@
 #include "synthesis/sensors/motion_base.h"
 
-#include <algorithm>
 #include <cmath>
 #include <stdexcept>
 #include <string>
@@ -19,14 +18,6 @@ constexpr int kFewestFrames = 5;
 // Joints that turn less than this about their first rotation do not move.
 constexpr double kStill_rad = 1e-4;
 constexpr double kNoBone_m = 1e-6;
-
-bool IsFinger(const Skeleton& skeleton, int joint) {
-  const int left = skeleton.roles()[JointRole::kLeftWrist], right = skeleton.roles()[JointRole::kRightWrist];
-  for (int j = skeleton.parent(joint); j >= 0; j = skeleton.parent(j)) {
-    if (j == left || j == right) return true;
-  }
-  return false;
-}
 
 MotionClip Reversed(const MotionClip& clip) {
   MotionClip reversed(clip.shared_skeleton(), clip.frame_rate_hz(), clip.frame_count());
@@ -143,11 +134,10 @@ MotionBase::MotionBase(const std::vector<MotionClip>& clips, std::vector<Placeme
   std::erase_if(sets, [](const auto& set) { return set.empty(); });
   if (sets.empty()) throw std::invalid_argument("MotionBase: no clip is long enough");
   skeleton_ = clips.front().shared_skeleton();
-  const std::vector<int> sensed = JointsOf(sensors_, *skeleton_);  // throws where one does not exist
+  JointsOf(sensors_, *skeleton_);  // throws where one does not exist
   active_joints_ = MovingJoints(sets);
   for (int j = 0; j < skeleton_->joint_count(); ++j) {
-    if (j == skeleton_->moving_root() || !skeleton_->IsBody(j) || skeleton_->joint(j).offset_m.norm() <= kNoBone_m) continue;
-    if (!IsFinger(*skeleton_, j) || std::find(sensed.begin(), sensed.end(), j) != sensed.end()) measured_joints_.push_back(j);
+    if (j != skeleton_->moving_root() && skeleton_->IsBody(j) && skeleton_->joint(j).offset_m.norm() > kNoBone_m) measured_joints_.push_back(j);
   }
   mean_rotations_ = MeansOf(sets);
   rotations_.resize(3 * static_cast<Eigen::Index>(active_joints_.size()), frames);

@@ -46,8 +46,7 @@ class MotionBase {
 
   /// Modelled joints, the moving root first; others keep their mean.
   const std::vector<int>& active_joints() const { return active_joints_; }
-  /// The joints whose places methods and errors look at: those of the body whose place can differ from their parent's, without the moving root and without fingers (joints
-  /// below a wrist), which few skeletons have and which follow the hand; but with fingers that a sensor sits on.
+  /// The joints that errors are measured over: those of the body whose place can differ from their parent's, the moving root left out.
   const std::vector<int>& measured_joints() const { return measured_joints_; }
   const std::vector<Eigen::Quaterniond>& mean_rotations() const { return mean_rotations_; }  // of every joint of the skeleton
 

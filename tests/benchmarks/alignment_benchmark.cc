@@ -6,7 +6,7 @@
 // constants were chosen). bnr holds no standing: before every test clip, the readings have two seconds of the person of neura_s02 standing, put on bnr's skeleton. Four sensors at wrists and ankles are
 // turned by a given angle about a random axis each.
 //
-// Error: root mean square distance of the body's joints, without fingers, in the pelvis frame, cm, over the frames of the walk; mean and 95th percentile. Left: mean angle between how sensors sit and how they are found to,
+// Error: root mean square distance of the joints in the pelvis frame, cm, over the frames of the walk; mean and 95th percentile. Left: mean angle between how sensors sit and how they are found to,
 // degrees.
 #include <CLI/CLI.hpp>
 #include <cstdio>

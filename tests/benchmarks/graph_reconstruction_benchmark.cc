@@ -8,7 +8,7 @@
 // test clip; with --split folder all clips are; with --tune number n/4, on which constants are chosen. Sensors at wrists and ankles are simulated on the test clip, as it is and worse: with noise of 1.2 m/s^2 and sensors askew by
 // 10 degrees, played slower and faster by a fifth, and by a body of 0.8 and 1.2 times the size.
 //
-// Error: root mean square distance of the body's joints, without fingers, in the pelvis frame, cm, a value a frame; mean and 95th percentile over all frames. Skate: times the truth's. Feet: share of
+// Error: root mean square distance of the joints in the pelvis frame, cm, a value a frame; mean and 95th percentile over all frames. Skate: times the truth's. Feet: share of
 // frames that agree on standing. ln p: of a step on the graph. Lower is better but for jerk and skate, best at 1, and feet.
 #include <CLI/CLI.hpp>
 #include <cstdio>

@@ -3,7 +3,7 @@
 //   mapping_benchmark --data RECORDINGS [--tune] [--splits known,unseen,cmu] [--rows rbf,gaussian,rbf-lle] [options of the methods]
 //   mapping_benchmark --data RECORDINGS --fair                     LLE and PCA in rbf, each with the settings that are best on clips left out of the training set
 //
-// RECORDINGS holds bnr/ and cmu/. Which clips are tested: recordings.h. Readings are those of a test clip's own body; errors are of the body's joints, without fingers,
+// RECORDINGS holds bnr/ and cmu/. Which clips are tested: recordings.h. Readings are those of a test clip's own body; errors are of the joints
 // in the pelvis frame, per frame.
 #include <CLI/CLI.hpp>
 #include <algorithm>

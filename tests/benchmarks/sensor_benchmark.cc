@@ -11,7 +11,7 @@
 // there are two or more; it and its mirrored copy are in no base. With --split folder all clips of the folder are. --tune takes number n/4 and leaves the
 // test clips out of every base too: defaults were chosen there.
 //
-// Error: root mean square distance of the body's joints, without fingers, in the pelvis frame, cm, a value a frame, from the first frame on; mean and 95th percentile are over all frames of all test
+// Error: root mean square distance of the joints in the pelvis frame, cm, a value a frame, from the first frame on; mean and 95th percentile are over all frames of all test
 // clips. Jerk: times the truth's, by clips weighted by frames. Lower is better for all but jerk, which is best at 1.
 #include <sys/resource.h>
 
@@ -189,7 +189,7 @@ double MeanOf(const std::vector<double>& values) {
 }
 
 struct Errors {
-  std::vector<double> errors_cm, clip_means_cm, with_fingers_cm;
+  std::vector<double> errors_cm, clip_means_cm, without_fingers_cm;
   std::vector<int> clip_frames;
   double jerk = 0, angle_deg = 0, velocity_cm_s = 0, contacts = 0;
   long long frames = 0;
@@ -207,21 +207,22 @@ struct Errors {
   double mean() const { return MeanOf(errors_cm); }
 };
 
-// The same error, a value a frame, over all joints of the body that have a bone: fingers too, which follow the hands.
-std::vector<double> ErrorsWithFingers(const MotionBase& base, const std::vector<BasePose>& poses, const std::vector<BasePose>& truth) {
+// The same error, a value a frame, over the joints that are not below a wrist: fingers, which some skeletons have, follow the hands.
+std::vector<double> ErrorsWithoutFingers(const MotionBase& base, const std::vector<BasePose>& poses, const std::vector<BasePose>& truth) {
   const Skeleton& skeleton = base.skeleton();
-  std::vector<int> joints;
-  for (int j = 0; j < skeleton.joint_count(); ++j) {
-    if (j != skeleton.moving_root() && skeleton.IsBody(j) && skeleton.joint(j).offset_m.norm() > 1e-6) joints.push_back(j);
+  std::vector<Eigen::Index> kept;
+  for (std::size_t n = 0; n < base.measured_joints().size(); ++n) {
+    bool finger = false;
+    for (int j = skeleton.parent(base.measured_joints()[n]); j >= 0; j = skeleton.parent(j))
+      finger = finger || j == skeleton.roles()[JointRole::kLeftWrist] || j == skeleton.roles()[JointRole::kRightWrist];
+    if (!finger) kept.push_back(static_cast<Eigen::Index>(n));
   }
   std::vector<double> errors_cm;
-  WorldPose pose, wanted;
   for (std::size_t f = 0; f < poses.size(); ++f) {
-    base.PelvisPose(poses[f].rotations, &pose);
-    base.PelvisPose(truth[f].rotations, &wanted);
+    const Eigen::VectorXd off = MeasuredPositions(base, poses[f].rotations) - MeasuredPositions(base, truth[f].rotations);
     double sum = 0;
-    for (const int j : joints) sum += (pose.positions.col(j) - wanted.positions.col(j)).squaredNorm();
-    errors_cm.push_back(100 * std::sqrt(sum / static_cast<double>(joints.size())));
+    for (const Eigen::Index n : kept) sum += off.segment<3>(3 * n).squaredNorm();
+    errors_cm.push_back(100 * std::sqrt(sum / static_cast<double>(kept.size())));
   }
   return errors_cm;
 }
@@ -239,8 +240,8 @@ void Print(const std::string& name, const Errors& outcome, double nearest_cm) {
   const auto share = static_cast<double>(outcome.frames);
   std::printf("%-62s %7.2f %7.2f %9.2f %7.2f %6.1f° %4.0f cm/s %7.1f %%\n", name.c_str(), outcome.mean(), Quantile(outcome.errors_cm, 0.95),
               outcome.mean() / nearest_cm, outcome.jerk / share, outcome.angle_deg / share, outcome.velocity_cm_s / share, 100 * outcome.contacts / share);
-  if (!outcome.with_fingers_cm.empty() && outcome.with_fingers_cm != outcome.errors_cm && std::abs(MeanOf(outcome.with_fingers_cm) - outcome.mean()) > 0.005)
-    std::printf("    with fingers: %.2f cm, 95 %% %.2f\n", MeanOf(outcome.with_fingers_cm), Quantile(outcome.with_fingers_cm, 0.95));
+  if (!outcome.without_fingers_cm.empty() && outcome.without_fingers_cm != outcome.errors_cm && std::abs(MeanOf(outcome.without_fingers_cm) - outcome.mean()) > 0.005)
+    std::printf("    without fingers: %.2f cm, 95 %% %.2f\n", MeanOf(outcome.without_fingers_cm), Quantile(outcome.without_fingers_cm, 0.95));
   std::fflush(stdout);
 }
 
@@ -344,8 +345,8 @@ class Study {
         outcome.Add(quality);
         outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
         (IsAlone(i) ? outcome.alone : outcome.with_like).Add(quality);
-        const std::vector<double> whole = ErrorsWithFingers(*bases_[s], poses, PosesOf(*bases_[s], test.truth));
-        outcome.with_fingers_cm.insert(outcome.with_fingers_cm.end(), whole.begin(), whole.end());
+        const std::vector<double> bare = ErrorsWithoutFingers(*bases_[s], poses, PosesOf(*bases_[s], test.truth));
+        outcome.without_fingers_cm.insert(outcome.without_fingers_cm.end(), bare.begin(), bare.end());
         if (each_) std::printf("    %-40s %6.2f cm, jerk x %.2f\n", test.name.c_str(), quality.position_rms_cm, quality.jerk_ratio);
         if (!out_.empty()) Write(*bases_[s], test, poses);
       }
