@@ -96,6 +96,15 @@ json MixtureToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
   return {{"form", CovarianceFormName(primitive.covariance_form)}, {"components", components}};
 }
 
+// Rows of a contact map that tell the rows of the contacts from `first` to before `end`, sample after sample.
+std::vector<Eigen::Index> ContactMapRows(int first, int end) {
+  std::vector<Eigen::Index> rows;
+  for (int sample = 0; sample < kPhaseSamples; ++sample) {
+    for (int row = first; row < end; ++row) rows.push_back(sample * kContactRows + row);
+  }
+  return rows;
+}
+
 json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
   json value = {{"name", primitive.name},
           {"style", primitive.style_index},
@@ -111,7 +120,11 @@ json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
           {"contacts", arrays->Doubles(primitive.contacts.topRows(kFootParts))},
           {"contact_motion", arrays->Floats(primitive.contacts.bottomRows(kContactRows - kFootParts).cast<float>())},
           {"mixture", MixtureToJson(primitive, arrays)}};
-  if (primitive.contact_map.size() > 0) value["contact_map"] = arrays->Shorts(primitive.contact_map);
+  if (primitive.contact_map.size() > 0) {
+    const Eigen::MatrixXf chances = primitive.contact_map(ContactMapRows(0, kFootParts), Eigen::all);
+    if (!chances.isZero(0)) value["chance_map"] = arrays->Shorts(chances);
+    value["contact_map"] = arrays->Shorts(primitive.contact_map(ContactMapRows(kFootParts, kContactRows), Eigen::all));
+  }
   if (!primitive.manner.empty()) {
     value["manner"] = {{"share", arrays->Doubles(primitive.manner.share)},
                        {"captured", arrays->Shorts(primitive.manner.captured)},
@@ -232,6 +245,21 @@ GraphStyle StyleFromJson(const json& value, const ArrayReader& arrays) {
   return style;
 }
 
+Eigen::MatrixXf ContactMapFromJson(const json& value, const ArrayReader& arrays) {
+  const Eigen::MatrixXf motion = arrays.Floats(value.at("contact_map"));
+  Eigen::MatrixXf map = Eigen::MatrixXf::Zero(kContactRows * kPhaseSamples, motion.cols());
+  const auto take = [&](const Eigen::MatrixXf& part, int first, int end, const char* name) {
+    const std::vector<Eigen::Index> rows = ContactMapRows(first, end);
+    if (part.rows() != static_cast<Eigen::Index>(rows.size()) || part.cols() != map.cols()) {
+      throw std::runtime_error(std::string(name) + " of the wrong size");
+    }
+    map(rows, Eigen::all) = part;
+  };
+  take(motion, kFootParts, kContactRows, "contact_map");
+  if (value.contains("chance_map")) take(arrays.Floats(value.at("chance_map")), 0, kFootParts, "chance_map");
+  return map;
+}
+
 MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyle>& styles, const ArrayReader& arrays) {
   const auto label = [&](const char* key) { return FromName(kLabels, KeyframeLabelName, value.at(key).get<std::string>()); };
   MotionPrimitive primitive;
@@ -263,7 +291,7 @@ MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyl
       primitive.contacts.row(kPlantedHeight + 2 * side + 1).setConstant(feet.ball_height_m[side]);
     }
   }
-  if (value.contains("contact_map")) primitive.contact_map = arrays.Floats(value.at("contact_map"));
+  if (value.contains("contact_map")) primitive.contact_map = ContactMapFromJson(value, arrays);
   if (value.contains("manner")) {  // not in files of version 1
     const json& manner = value.at("manner");
     primitive.manner.share = arrays.Doubles(manner.at("share")).reshaped();

@@ -29,7 +29,7 @@ void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& conte
           name + "a number is not finite, or negative");
   Require(primitive.contacts.rows() == kContactRows && primitive.contacts.cols() == kPhaseSamples, name + "contacts of the wrong size");
   const Eigen::MatrixXf& map = primitive.contact_map;
-  Require(map.size() == 0 || (map.rows() == (kContactRows - kFootParts) * kPhaseSamples && map.cols() == primitive.reduction.components() && map.allFinite()),
+  Require(map.size() == 0 || (map.rows() == kContactRows * kPhaseSamples && map.cols() == primitive.reduction.components() && map.allFinite()),
           name + "contact_map does not fit the reduction, or holds a number that is not finite");
   const MannerModel& manner = primitive.manner;
   if (manner.empty()) return;

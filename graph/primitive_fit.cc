@@ -52,7 +52,6 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
     ++primitive.examples;
     if (clips[step.clip].made) ++primitive.made_examples;
   }
-  primitive.contacts = MeanContacts(contacts);
   const TrainingStep& model_step = steps[members.members[steady.front()]];
   primitive.name = members.primitive;
   primitive.style = members.style;
@@ -81,7 +80,9 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
   for (int i = 0; i < count; ++i) fitted.latents.col(i) = pca.Project(vectors.col(i));
 
   const Eigen::MatrixXd steady_latents = fitted.latents(Eigen::all, steady);
-  primitive.contact_map = FitContactMap(contacts, primitive.contacts, steady_latents, sources);
+  StepContacts told = FitStepContacts(contacts, steady_latents, sources);
+  primitive.contacts = std::move(told.at_mean);
+  primitive.contact_map = std::move(told.map);
   GaussianMixtureOptions mixture_options;
   // On a handful of points the information criterion takes every point for a component of its own.
   mixture_options.max_components =

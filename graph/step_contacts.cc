@@ -1,19 +1,32 @@
 #include "graph/step_contacts.h"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
-#include "primitives/matrix_factors.h"
+#include "graph/internal/held_out_ridge.h"
 
 namespace morphograph {
 namespace {
 
-constexpr int kMotionRows = kContactRows - kFootParts;  // heights and velocities
-constexpr double kRidges[] = {0.01, 0.03, 0.1, 0.3, 1, 3, 10};  // of the latents' mean energy
-constexpr double kGain = 0.02;  // part of the error on clips left out that a map has to take away
+using Indices = std::vector<Eigen::Index>;
+
+// The given rows of the steps' contacts at one sample, without their means: (rows x steps taken).
+Eigen::MatrixXd Deviations(const std::vector<ContactProfile>& steps, const Indices& taken, const std::vector<int>& rows, int sample) {
+  Eigen::MatrixXd values(static_cast<Eigen::Index>(rows.size()), static_cast<Eigen::Index>(taken.size()));
+  for (Eigen::Index i = 0; i < values.cols(); ++i) values.col(i) = steps[static_cast<size_t>(taken[i])](rows, sample);
+  return values.colwise() - values.rowwise().mean();
+}
+
+Indices PlantedSteps(const std::vector<ContactProfile>& steps, int part, int sample) {
+  Indices planted;
+  for (size_t i = 0; i < steps.size(); ++i) {
+    if (steps[i](kPlantedChance + part, sample) > 0) planted.push_back(static_cast<Eigen::Index>(i));
+  }
+  return planted;
+}
+
+std::vector<int> MotionRows(int part) { return {kPlantedHeight + part, kSlideLeft + part, kSlideForward + part}; }
 
 }  // namespace
 
@@ -60,52 +73,44 @@ ContactProfile MeanContacts(const std::vector<ContactProfile>& steps) {
   return mean;
 }
 
-Eigen::MatrixXf FitContactMap(const std::vector<ContactProfile>& steps, const ContactProfile& mean, const Eigen::MatrixXd& latents,
-                              const std::vector<int>& clips) {
+StepContacts FitStepContacts(const std::vector<ContactProfile>& steps, const Eigen::MatrixXd& latents, const std::vector<int>& clips) {
   const Eigen::Index count = latents.cols();
   if (static_cast<Eigen::Index>(steps.size()) != count || clips.size() != steps.size() || count == 0) {
-    throw std::invalid_argument("FitContactMap: needs contacts, latent and clip of every step, and at least one");
+    throw std::invalid_argument("FitStepContacts: needs contacts, latent and clip of every step, and at least one");
   }
-  Eigen::MatrixXd deviations(kMotionRows * kPhaseSamples, count);
-  for (Eigen::Index i = 0; i < count; ++i) {
-    const ContactProfile& step = steps[static_cast<size_t>(i)];
-    Eigen::MatrixXd deviation = step.bottomRows(kMotionRows) - mean.bottomRows(kMotionRows);
-    for (int row = 0; row < kMotionRows; ++row) deviation.row(row).array() *= step.row(row % kFootParts).array();
-    deviations.col(i) = deviation.reshaped();
-  }
-  const auto energies = [](const Eigen::MatrixXd& values) {  // by row of the profile
-    Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(kMotionRows);
-    for (Eigen::Index e = 0; e < values.rows(); ++e) sums[e % kMotionRows] += values.row(e).squaredNorm();
-    return sums;
-  };
-  std::map<int, std::vector<Eigen::Index>> members;
-  for (Eigen::Index i = 0; i < count; ++i) members[clips[static_cast<size_t>(i)]].push_back(i);
-
-  const SymmetricFactors factors = FactorSymmetric(latents * latents.transpose());
-  const Eigen::MatrixXd turned = factors.vectors.transpose() * latents;
-  const Eigen::MatrixXd shared = deviations * turned.transpose();
-  const double energy = factors.values.cwiseMax(0).mean();
-  Eigen::MatrixXd best = Eigen::MatrixXd::Zero(deviations.rows(), latents.rows());
-  Eigen::ArrayXd least = (1 - kGain) * energies(deviations);
-  for (const double ridge : kRidges) {
-    const Eigen::VectorXd gains = (factors.values.array().max(0) + std::max(ridge * energy, 1e-12)).inverse();
-    const Eigen::MatrixXd map = shared * gains.asDiagonal();
-    // What a clip's steps would miss, had the map not seen them: the residuals, freed of what the clip itself told (as in FitLinearMap).
-    Eigen::MatrixXd unseen = deviations - map * turned;
-    for (const auto& [clip, of_clip] : members) {
-      const Eigen::MatrixXd part = turned(Eigen::all, of_clip);
-      Eigen::MatrixXd blind = -part.transpose() * gains.asDiagonal() * part;
-      blind.diagonal().array() += 1;
-      const Eigen::MatrixXd seen = unseen(Eigen::all, of_clip);
-      unseen(Eigen::all, of_clip) = blind.llt().solve(seen.transpose()).transpose();
+  StepContacts told;
+  told.at_mean = MeanContacts(steps);
+  Eigen::MatrixXd map = Eigen::MatrixXd::Zero(kContactRows * kPhaseSamples, latents.rows());
+  Indices all;
+  for (Eigen::Index i = 0; i < count; ++i) all.push_back(i);
+  const double energy = latents.size() > 0 ? latents.array().square().mean() : 0;
+  const Eigen::MatrixXd centred = latents.colwise() - latents.rowwise().mean();
+  for (int part = 0; part < kFootParts; ++part) {
+    const std::vector<int> rows = MotionRows(part);
+    internal::HeldOutRidge chances(1, energy), motions(static_cast<int>(rows.size()), energy);
+    std::vector<int> samples;  // at which the part is ever planted
+    std::vector<Eigen::VectorXd> centres;
+    for (int sample = 0; sample < kPhaseSamples; ++sample) {
+      chances.Add(centred, Deviations(steps, all, {kPlantedChance + part}, sample), clips);
+      const Indices planted = PlantedSteps(steps, part, sample);
+      if (planted.empty()) continue;
+      const Eigen::MatrixXd places = latents(Eigen::all, planted);
+      std::vector<int> of_clips;
+      for (const Eigen::Index i : planted) of_clips.push_back(clips[static_cast<size_t>(i)]);
+      samples.push_back(sample);
+      centres.push_back(places.rowwise().mean());
+      motions.Add(places.colwise() - centres.back(), Deviations(steps, planted, rows, sample), of_clips);
     }
-    const Eigen::ArrayXd missed = energies(unseen);
-    for (Eigen::Index e = 0; e < map.rows(); ++e) {
-      if (missed[e % kMotionRows] < least[e % kMotionRows]) best.row(e) = map.row(e);
+    const std::vector<Eigen::MatrixXd> of_chances = chances.Maps(), of_motions = motions.Maps();
+    for (int sample = 0; sample < kPhaseSamples; ++sample) map.row(kContactRows * sample + kPlantedChance + part) = of_chances[static_cast<size_t>(sample)];
+    for (size_t k = 0; k < samples.size(); ++k) {
+      for (size_t r = 0; r < rows.size(); ++r) map.row(kContactRows * samples[k] + rows[r]) = of_motions[k].row(static_cast<Eigen::Index>(r));
+      // Those that are planted have a mean latent of their own.
+      told.at_mean(rows, samples[k]) -= of_motions[k] * centres[k];
     }
-    least = least.min(missed);
   }
-  return (best * factors.vectors.transpose()).cast<float>();
+  told.map = map.cast<float>();
+  return told;
 }
 
 }  // namespace morphograph

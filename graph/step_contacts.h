@@ -18,14 +18,18 @@ ContactProfile MeasureStepContacts(const PreparedClip& clip, const PoseLayout& l
 /// Means over steps: heights and velocities of those in which a part is planted at that time, or of all where it never is.
 ContactProfile MeanContacts(const std::vector<ContactProfile>& steps);
 
-/// What of the steps' planted feet follows from their latents, as MotionPrimitive::contact_map has it: ridge regression of the deviations
-/// from the mean, 0 where a part is not planted. So where few steps are planted, as at landing and lifting, a map says less than those few
-/// alone would: about their share of it. Heights and velocities of each part of the feet have a ridge of their own, the one that predicts clips best
-/// which it has not seen; those that none predicts better than the mean are zero.
+/// What the feet of a class's steps do, as MotionPrimitive tells it by the latent.
+struct StepContacts {
+  ContactProfile at_mean;  // at the latents' mean, 0
+  Eigen::MatrixXf map;     // (kContactRows * kPhaseSamples x components)
+};
+
+/// Linear regressions with a ridge, part by part of the feet and sample by sample: the chance over all steps; height and velocity over those
+/// in which the part is planted then, as feet in the air say nothing of how feet stand. Of each part, chance, height and velocities have a
+/// ridge each, the one that predicts clips best which it has not seen; what none predicts better than the mean is that.
 ///
 /// @param latents  (components x steps). @param clips  per step the captured clip that it comes from; copies come from the same.
-/// @return (deviations x components), see MotionPrimitive.
-Eigen::MatrixXf FitContactMap(const std::vector<ContactProfile>& steps, const ContactProfile& mean, const Eigen::MatrixXd& latents,
-                              const std::vector<int>& clips);
+/// @throws std::invalid_argument when sizes do not fit, or there is no step.
+StepContacts FitStepContacts(const std::vector<ContactProfile>& steps, const Eigen::MatrixXd& latents, const std::vector<int>& clips);
 
 }  // namespace morphograph

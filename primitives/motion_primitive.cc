@@ -29,9 +29,8 @@ StepShape MotionPrimitive::Shape(const Eigen::VectorXd& latent) const {
 ContactProfile MotionPrimitive::Contacts(const Eigen::VectorXd& latent) const {
   if (latent.size() == 0 || contact_map.size() == 0) return contacts;
   CheckLatent(*this, latent);
-  constexpr int kRows = kContactRows - kFootParts;
-  ContactProfile told = contacts;
-  told.bottomRows<kRows>() += (contact_map * latent.cast<float>()).cast<double>().reshaped(kRows, kPhaseSamples);
+  ContactProfile told = contacts + (contact_map * latent.cast<float>()).cast<double>().reshaped(kContactRows, kPhaseSamples);
+  told.topRows<kFootParts>() = told.topRows<kFootParts>().cwiseMax(0).cwiseMin(1);
   return told;
 }
 

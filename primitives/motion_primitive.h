@@ -57,14 +57,13 @@ struct MotionPrimitive {
   CovarianceForm covariance_form = CovarianceForm::kFull;
   MannerModel manner;         // of the whitened latents
   double latent_radius = 0;  // largest norm of a whitened training latent
-  ContactProfile contacts = ContactProfile::Zero(kContactRows, kPhaseSamples);  // on the canonical timeline, learned: the mean
-  /// How heights and velocities of planted feet differ from that mean with the latent: deviations, sample after sample, the
-  /// kContactRows - kFootParts rows below the chances, x components. Empty: they do not.
+  ContactProfile contacts = ContactProfile::Zero(kContactRows, kPhaseSamples);  // on the canonical timeline, learned: at latent 0
+  /// What a latent adds to that: the kContactRows rows, sample after sample, x components. Empty: nothing.
   Eigen::MatrixXf contact_map;
 
   /// The step that a latent vector stands for. @throws std::invalid_argument if its size is not `components()`.
   StepShape Shape(const Eigen::VectorXd& latent) const;
-  /// What its feet are meant to do; the mean for an empty latent or map. @throws std::invalid_argument as Shape, where there is a map.
+  /// What its feet are meant to do, chances between 0 and 1; `contacts` for an empty latent or map. @throws std::invalid_argument as Shape, where there is a map.
   ContactProfile Contacts(const Eigen::VectorXd& latent) const;
 };
 

@@ -12,7 +12,7 @@ struct FootLockOptions {
   /// A foot nailed to the floor is told from the capture at once.
   double slide = 0.35;
   /// Part of the rise of captured planted feet over their standing height that is left. What they sink below it is left whole.
-  double rolling = 0.93;
+  double rolling = 0.89;
   double hold_s = 0.5;       // how long a slip has to last to be let through rather than taken out
   double ease_s = 0.06;       // time constant of easing into and out of a hold
   double level = 24;          // weight of a planted foot's height against that of leaving it where it is

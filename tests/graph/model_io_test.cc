@@ -111,12 +111,14 @@ TEST(MotionGraph, RefusesPartsThatDoNotFit) {
 TEST(ModelIo, KeepsWhatLatentsTellOfTheFeet) {
   GraphContents contents = ContentsOf(*testing::SmallModel());
   MotionPrimitive& primitive = contents.primitives[0];
-  primitive.contact_map.setZero((kContactRows - kFootParts) * kPhaseSamples, primitive.reduction.components());
-  primitive.contact_map(5, 0) = 0.25f;
-  const auto read = ParseModel(SerialiseModel(MotionGraph(contents, "")), "some.mgm");
-  EXPECT_EQ(read->primitive(0).contact_map, primitive.contact_map);
-  primitive.contact_map.resize(0, 0);  // as in files that are older
-  EXPECT_EQ(ParseModel(SerialiseModel(MotionGraph(contents, "")), "some.mgm")->primitive(0).contact_map.size(), 0);
+  const auto read_map = [&] { return ParseModel(SerialiseModel(MotionGraph(contents, "")), "some.mgm")->primitive(0).contact_map; };
+  primitive.contact_map.setZero(kContactRows * kPhaseSamples, primitive.reduction.components());
+  primitive.contact_map(kContactRows + kPlantedHeight, 0) = 0.25f;
+  EXPECT_EQ(read_map(), primitive.contact_map);  // no map of chances, as in files that are older
+  primitive.contact_map(2 * kContactRows + kPlantedChance + 3, 0) = -0.5f;
+  EXPECT_EQ(read_map(), primitive.contact_map);
+  primitive.contact_map.resize(0, 0);  // as in files that are older still
+  EXPECT_EQ(read_map().size(), 0);
 }
 
 TEST(ModelIo, VersionZeroDoesNotExist) {

@@ -10,8 +10,6 @@
 namespace morphograph {
 namespace {
 
-constexpr int kMotionRows = kContactRows - kFootParts;
-
 TEST(MeanContacts, TakesHeightsOfPlantedFeetAlone) {
   std::vector<ContactProfile> steps(4, ContactProfile::Zero(kContactRows, kPhaseSamples));
   for (int i = 0; i < 4; ++i) steps[i].row(kPlantedHeight).setConstant(0.01 * i);
@@ -45,7 +43,8 @@ class ContactMapOfSteps : public ::testing::Test {
       clips_.push_back(i / 10);
     }
   }
-  Eigen::MatrixXf Map() const { return FitContactMap(steps_, ContactProfile::Zero(kContactRows, kPhaseSamples), latents_, clips_); }
+  Eigen::MatrixXf Map() const { return FitStepContacts(steps_, latents_, clips_).map; }
+  static auto RowOf(const Eigen::MatrixXf& map, int sample, int row) { return map.row(sample * kContactRows + row).cast<double>(); }
 
   static constexpr int kBall = 1, kOther = 3;
   Eigen::MatrixXd latents_, truth_;
@@ -55,13 +54,34 @@ class ContactMapOfSteps : public ::testing::Test {
 
 TEST_F(ContactMapOfSteps, FindsWhatFollowsFromTheLatentAndNothingElse) {
   const Eigen::MatrixXf map = Map();
-  ASSERT_EQ(map.rows(), kMotionRows * kPhaseSamples);
+  ASSERT_EQ(map.rows(), kContactRows * kPhaseSamples);
   ASSERT_EQ(map.cols(), 5);
   for (int sample = 0; sample < kPhaseSamples; ++sample) {
-    const auto row = [&](int of_profile) { return map.row(sample * kMotionRows + of_profile - kFootParts).cast<double>(); };
-    EXPECT_LT((row(kPlantedHeight + kBall) - truth_.row(sample)).norm(), 0.05 * truth_.row(sample).norm()) << sample;
-    EXPECT_EQ(row(kPlantedHeight + kOther).norm(), 0) << sample;
-    EXPECT_EQ(row(kSlideForward).norm(), 0) << sample;
+    EXPECT_LT((RowOf(map, sample, kPlantedHeight + kBall) - truth_.row(sample)).norm(), 0.05 * truth_.row(sample).norm()) << sample;
+    EXPECT_EQ(RowOf(map, sample, kPlantedHeight + kOther).norm(), 0) << sample;
+    EXPECT_EQ(RowOf(map, sample, kPlantedChance + kBall).norm(), 0) << sample;
+    EXPECT_EQ(RowOf(map, sample, kSlideForward).norm(), 0) << sample;
+  }
+}
+
+// A turning step lifts its heel while a straight one still stands on it: the heel in the air says nothing of how heels stand.
+TEST_F(ContactMapOfSteps, HearsOfHeightsFromPlantedFeetAloneAndSaysWhichStepsPlantThem) {
+  const Eigen::VectorXd way = Eigen::VectorXd::LinSpaced(5, 1, 2).normalized();
+  for (int i = 0; i < 200; ++i) {
+    ContactProfile& step = steps_[static_cast<size_t>(i)];
+    if (way.dot(latents_.col(i)) > -0.5) continue;
+    step.row(kPlantedChance + kBall).setZero();
+    step.row(kPlantedHeight + kBall).array() += 0.5;
+  }
+  const StepContacts told = FitStepContacts(steps_, latents_, clips_);
+  for (int sample = 0; sample < kPhaseSamples; ++sample) {
+    const int height = kPlantedHeight + kBall;
+    EXPECT_LT((RowOf(told.map, sample, height) - truth_.row(sample)).norm(), 0.06 * truth_.row(sample).norm()) << sample;
+    EXPECT_NEAR(told.at_mean(height, sample), 0, 0.06 * truth_.row(sample).norm()) << sample;
+    const Eigen::VectorXd chance = RowOf(told.map, sample, kPlantedChance + kBall).transpose();
+    EXPECT_GT(chance.dot(way), 0.95 * chance.norm()) << sample;
+    EXPECT_GT(told.at_mean(kPlantedChance + kBall, sample) + chance.dot(way), 0.85) << sample;
+    EXPECT_LT(told.at_mean(kPlantedChance + kBall, sample) - 2 * chance.dot(way), 0.25) << sample;
   }
 }
 
@@ -77,9 +97,9 @@ TEST_F(ContactMapOfSteps, IsNotTaughtByClipsThatItIsJudgedBy) {
       steps_[static_cast<size_t>(i)].row(kPlantedHeight + kBall).setConstant(of_clip(0, clips[static_cast<size_t>(i)]));
     }
     clips_ = clips;
-    judged += Map().row(kBall).norm();
+    judged += RowOf(Map(), 0, kPlantedHeight + kBall).norm();
     for (int i = 0; i < 200; ++i) clips_[static_cast<size_t>(i)] = i;  // as if every step were on its own
-    believed += Map().row(kBall).norm();
+    believed += RowOf(Map(), 0, kPlantedHeight + kBall).norm();
   }
   EXPECT_LT(judged, 0.3 * believed);
 }
@@ -89,7 +109,7 @@ TEST_F(ContactMapOfSteps, NeedsAClipOfEveryStep) {
   EXPECT_THROW(Map(), std::invalid_argument);
 }
 
-TEST(ContactMap, AddsToTheMeanWhatTheLatentTells) {
+TEST(ContactMap, AddsWhatTheLatentTells) {
   const auto model = testing::SmallModel();
   const MotionPrimitive& primitive = model->primitive(0);
   EXPECT_EQ(primitive.Contacts({}), primitive.contacts);
@@ -97,12 +117,16 @@ TEST(ContactMap, AddsToTheMeanWhatTheLatentTells) {
   const ContactProfile told = primitive.Contacts(Eigen::VectorXd::Zero(primitive.reduction.components()));
   EXPECT_EQ(told, primitive.contacts);
   MotionPrimitive other = primitive;
-  other.contact_map = Eigen::MatrixXf::Zero(kMotionRows * kPhaseSamples, primitive.reduction.components());
-  other.contact_map(kMotionRows * 4 + kSlideLeft - kFootParts, 0) = 2;
+  other.contact_map = Eigen::MatrixXf::Zero(kContactRows * kPhaseSamples, primitive.reduction.components());
+  other.contact_map(kContactRows * 4 + kSlideLeft, 0) = 2;
+  other.contact_map(kContactRows * 5 + kPlantedChance, 0) = 9;
+  other.contact_map(kContactRows * 6 + kPlantedChance, 0) = -9;
   Eigen::VectorXd latent = Eigen::VectorXd::Zero(primitive.reduction.components());
   latent[0] = 0.5;
   ContactProfile wanted = primitive.contacts;
   wanted(kSlideLeft, 4) += 1;
+  wanted(kPlantedChance, 5) = 1;
+  wanted(kPlantedChance, 6) = 0;
   EXPECT_LT((other.Contacts(latent) - wanted).norm(), 1e-6);
 }
 

@@ -130,7 +130,10 @@ TEST(WalkClip, FeetDoWhatTheirStepSays) {
   request.duration_s = 4;
   const auto clip_with = [&](float slide, bool lock) {
     for (MotionPrimitive& primitive : contents.primitives) {
-      primitive.contact_map.setConstant((kContactRows - kFootParts) * kPhaseSamples, primitive.reduction.components(), slide);
+      primitive.contact_map.setZero(kContactRows * kPhaseSamples, primitive.reduction.components());
+      for (int row = kPlantedHeight; row < kContactRows; ++row) {
+        for (int sample = 0; sample < kPhaseSamples; ++sample) primitive.contact_map.row(sample * kContactRows + row).setConstant(slide);
+      }
     }
     return Synthesize(MotionGraph(contents, ""), request, {.foot_lock = lock}).clip;
   };

@@ -33,9 +33,9 @@ MotionClip WalkBetweenStands(bool stands = true) {
 }
 
 // Sensors turned by `askew_deg` about a random axis each, and the turns that set them right.
-Readings Askew(const MotionClip& clip, double askew_deg, std::vector<Eigen::Quaterniond>* turns) {
+Readings Askew(const MotionClip& clip, double askew_deg, std::vector<Eigen::Quaterniond>* turns, unsigned seed = 3) {
   Readings readings = VirtualAccelerations(clip, WristsAndAnkles(), 60);
-  std::mt19937_64 rng(3);
+  std::mt19937_64 rng(seed);
   for (int s = 0; s < readings.sensor_count(); ++s) {
     turns->emplace_back(Eigen::AngleAxisd(askew_deg * kPerDegree, testing::RandomRotation(rng) * Eigen::Vector3d::UnitX()));
     readings.values.middleRows<3>(3 * s) = (turns->back().conjugate().toRotationMatrix() * readings.values.middleRows<3>(3 * s)).eval();
@@ -124,19 +124,26 @@ std::shared_ptr<const Reconstructor> AlignedReconstructionTest::reconstructor_;
 
 TEST_F(AlignedReconstructionTest, BringsAskewSensorsNearerToTheTruth) {
   const MotionClip truth = WalkBetweenStands();
+  std::vector<Eigen::Quaterniond> straight;
+  const auto error_cm = [&](const ReconstructedReadings& made) { return CompareClips(made.reconstruction.clip, truth).position_rms_cm; };
+  const double straight_cm = error_cm(Made(Askew(truth, 0, &straight), std::nullopt));  // what this model makes of this walker at best
   for (const double askew_deg : {20.0, 30.0}) {
-    std::vector<Eigen::Quaterniond> turns;
-    const Readings readings = Askew(truth, askew_deg, &turns);
-    const ReconstructedReadings as_told = Made(readings, std::nullopt), aligned = Made(readings, AlignmentRequest());
-    EXPECT_FALSE(as_told.alignment.has_value());
-    ASSERT_TRUE(aligned.alignment.has_value());
-    EXPECT_FALSE(aligned.alignment->told);
-    double left = 0;
-    for (std::size_t s = 0; s < turns.size(); ++s) left += aligned.alignment->sensors[s].told_from_worn.angularDistance(turns[s]) / kPerDegree / 4;
+    double left = 0, told_cm = 0, aligned_cm = 0;
+    constexpr unsigned kTries = 4;  // as how much a turn harms depends on its axis
+    for (unsigned seed = 3; seed < 3 + kTries; ++seed) {
+      std::vector<Eigen::Quaterniond> turns;
+      const Readings readings = Askew(truth, askew_deg, &turns, seed);
+      const ReconstructedReadings as_told = Made(readings, std::nullopt), aligned = Made(readings, AlignmentRequest());
+      EXPECT_FALSE(as_told.alignment.has_value());
+      ASSERT_TRUE(aligned.alignment.has_value());
+      EXPECT_FALSE(aligned.alignment->told);
+      for (std::size_t s = 0; s < turns.size(); ++s) left += aligned.alignment->sensors[s].told_from_worn.angularDistance(turns[s]) / kPerDegree / (4 * kTries);
+      told_cm += error_cm(as_told) / kTries;
+      aligned_cm += error_cm(aligned) / kTries;
+    }
     EXPECT_LT(left, 0.6 * askew_deg);
-    const double told_cm = CompareClips(as_told.reconstruction.clip, truth).position_rms_cm, aligned_cm = CompareClips(aligned.reconstruction.clip, truth).position_rms_cm;
-    EXPECT_LT(aligned_cm, 0.9 * told_cm) << askew_deg;
-    RecordProperty("cm_" + std::to_string(static_cast<int>(askew_deg)), std::to_string(told_cm) + " " + std::to_string(aligned_cm) + " left " + std::to_string(left));
+    EXPECT_LT(aligned_cm - straight_cm, 0.3 * (told_cm - straight_cm)) << askew_deg;
+    RecordProperty("cm_" + std::to_string(static_cast<int>(askew_deg)), std::to_string(straight_cm) + " " + std::to_string(told_cm) + " " + std::to_string(aligned_cm) + " left " + std::to_string(left));
   }
 }
 
