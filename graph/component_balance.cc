@@ -59,30 +59,20 @@ Met FromWeights(const SteadyStyle& style, const std::vector<FittedPrimitive>& fi
   return met;
 }
 
-// How often a captured walk has met each component of each primitive, summing to 1 over each primitive.
-Met Captured(const SteadyStyle& style, const std::vector<FittedPrimitive>& fitted, size_t walk) {
-  Met met = FromWeights(style, fitted);
-  for (auto& [p, values] : met) {
-    for (int c = 0; c < values.size(); ++c) values[c] *= Factor(fitted[static_cast<size_t>(p)].primitive, walk, c);
-    values /= values.sum();
-  }
-  return met;
-}
-
 // Scales every walk's factors until walks of its manner meet what it has met.
 void BalanceWalks(const SteadyStyle& style, std::vector<FittedPrimitive>* fitted) {
   constexpr double kMost = 2;  // of a factor, a round: components are far from independent of each other
   for (size_t walk = 0; walk < style.walks.size(); ++walk) {
-    const Met captured = Captured(style, *fitted, walk);
     for (int round = 0; round < kRounds; ++round) {
       Met met = FromWeights(style, *fitted);
       MakeStationary(style, *fitted, walk, &met);
       for (const auto& [p, values] : met) {
         MannerModel& manner = (*fitted)[static_cast<size_t>(p)].primitive.manner;
-        if (manner.empty()) continue;
+        if (manner.empty() || manner.steps[walk] == 0) continue;
+        const auto captured = manner.met.col(static_cast<Eigen::Index>(walk)).cast<double>();
         for (int c = 0; c < values.size(); ++c) {
           const double drawn = values[c] / values.sum();
-          if (drawn > kRarest) manner.components(c, static_cast<Eigen::Index>(walk)) *= static_cast<float>(std::clamp(captured.at(p)[c] / drawn, 1 / kMost, kMost));
+          if (drawn > kRarest) manner.components(c, static_cast<Eigen::Index>(walk)) *= static_cast<float>(std::clamp(captured[c] / drawn, 1 / kMost, kMost));
         }
       }
     }

@@ -62,6 +62,7 @@ MannerModel FitManner(const MannerSteps& steps, const MannerFitOptions& options)
 
   manner.captured = Eigen::MatrixXf::Zero(steps.whitened.rows(), steps.walks);
   manner.components = Eigen::MatrixXf::Ones(steps.component_weights.size(), steps.walks);
+  manner.met = steps.component_weights.cast<float>().replicate(1, steps.walks);
   for (int walk = 0; walk < steps.walks; ++walk) {
     const std::vector<int>& members = of_walk[static_cast<size_t>(walk)];
     manner.steps.push_back(static_cast<int>(members.size()));
@@ -74,7 +75,8 @@ MannerModel FitManner(const MannerSteps& steps, const MannerFitOptions& options)
       // is told in the coordinates of its component.
       Eigen::VectorXd met = 0.01 * steps.component_weights;
       for (const int i : members) met[steps.component[static_cast<size_t>(i)]] += 1;
-      manner.components.col(walk) = (met.array() / (met.sum() * steps.component_weights.array())).matrix().cast<float>();
+      manner.met.col(walk) = (met / met.sum()).cast<float>();
+      manner.components.col(walk) = manner.met.col(walk).cwiseQuotient(steps.component_weights.cast<float>());
     }
   }
   return manner;

@@ -128,6 +128,7 @@ json PrimitiveToJson(const MotionPrimitive& primitive, ArrayWriter* arrays) {
   if (!primitive.manner.empty()) {
     value["manner"] = {{"share", arrays->Doubles(primitive.manner.share)},
                        {"captured", arrays->Shorts(primitive.manner.captured)},
+                       {"met", arrays->Floats(primitive.manner.met)},
                        {"components", arrays->Floats(primitive.manner.components)},
                        {"steps", primitive.manner.steps},
                        {"seconds", primitive.manner.seconds}};
@@ -260,6 +261,15 @@ Eigen::MatrixXf ContactMapFromJson(const json& value, const ArrayReader& arrays)
   return map;
 }
 
+// As files had it that do not say how often walks met each mixture component: as the factors alone would have them.
+Eigen::MatrixXf MetByFactors(const MotionPrimitive& primitive) {
+  Eigen::MatrixXf met = primitive.manner.components;
+  if (met.rows() != primitive.mixture.size()) throw std::runtime_error("a manner of the wrong size");
+  for (int c = 0; c < primitive.mixture.size(); ++c) met.row(c) *= static_cast<float>(std::exp(primitive.mixture.Component(c).log_weight));
+  for (Eigen::Index walk = 0; walk < met.cols(); ++walk) met.col(walk) /= met.col(walk).sum();
+  return met;
+}
+
 MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyle>& styles, const ArrayReader& arrays) {
   const auto label = [&](const char* key) { return FromName(kLabels, KeyframeLabelName, value.at(key).get<std::string>()); };
   MotionPrimitive primitive;
@@ -308,6 +318,10 @@ MotionPrimitive PrimitiveFromJson(const json& value, const std::vector<GraphStyl
                           arrays.Floats(entry.at("cholesky")).cast<double>()});
   }
   primitive.mixture = GaussianMixture(std::move(components));
+  if (value.contains("manner")) {
+    const json& manner = value.at("manner");
+    primitive.manner.met = manner.contains("met") ? arrays.Floats(manner.at("met")) : MetByFactors(primitive);
+  }
   return primitive;
 }
 

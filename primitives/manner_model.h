@@ -15,8 +15,10 @@ struct MannerModel {
   /// Best linear prediction of m for each captured walk, (D x walks). Column c is the same walk in every
   /// primitive of a style, so that a manner is one of the whole body and of both legs.
   Eigen::MatrixXf captured;
-  /// Factors on the chances of mixture components (BalanceComponents), with which walks of each manner meet them as often as the captured walk did, (mixture components x
-  /// walks).
+  /// How often each captured walk's steps met each mixture component, (mixture components x walks), columns summing to 1; the mixture's weights
+  /// where it has no steps of this primitive.
+  Eigen::MatrixXf met;
+  /// Factors on the chances of entering a component with which walks of each manner meet them as often (BalanceComponents), likewise.
   Eigen::MatrixXf components;
   std::vector<int> steps;    // (walks) steps of this primitive that a column rests on; 0: nothing is known, the column is 0
   std::vector<float> seconds;  // (walks) that these took

@@ -73,7 +73,8 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
   std::vector<double> weights;
   for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
   step.manner = DrawManner(graph, model.style_index, MetAt::kTime, rng);
-  step.component = DrawComponent(weights, step.manner.components[primitive], rng);
+  if (const Eigen::VectorXd& met = step.manner.met[static_cast<size_t>(primitive)]; met.size() > 0) weights.assign(met.begin(), met.end());
+  step.component = std::max(0, DrawIndex(weights, rng));
   step.whitened = InWalk(model, step.manner.m[primitive], DrawStandardNormal(model.reduction.components(), rng));
   KeepInsideCapture(model, &step.whitened);
   step.latent = Colour(model.mixture.Component(step.component), step.whitened);

@@ -26,10 +26,10 @@ std::vector<size_t> WithManner(const MotionGraph& graph, int style) {
 const MannerModel& ModelOf(const MotionGraph& graph, size_t id) { return graph.primitive(static_cast<int>(id)).manner; }
 
 // How much alike the mixture components are that two walks keep to in a primitive, 0 to 1. A walk that keeps to none is like all.
-double Likeness(const Eigen::VectorXd& components, const MannerModel& model, size_t walk) {
-  if (components.size() == 0) return 1;
-  const Eigen::VectorXd other = model.components.col(static_cast<Eigen::Index>(walk)).cast<double>();
-  const double cosine = components.dot(other) / (components.norm() * other.norm());
+double Likeness(const Eigen::VectorXd& met, const MannerModel& model, size_t walk) {
+  if (met.size() == 0) return 1;
+  const Eigen::VectorXd other = model.met.col(static_cast<Eigen::Index>(walk)).cast<double>();
+  const double cosine = met.dot(other) / (met.norm() * other.norm());
   return cosine * cosine;  // squared, those of no component in common are as good as never taken for each other
 }
 
@@ -39,7 +39,7 @@ std::vector<double> LikeWalks(const MotionGraph& graph, int style, const WalkMan
   for (const size_t p : WithManner(graph, style)) {
     const MannerModel& model = ModelOf(graph, p);
     weights.resize(model.steps.size(), 0);
-    for (size_t walk = 0; walk < weights.size(); ++walk) weights[walk] += Likeness(manner.components[p], model, walk) * model.steps[walk];
+    for (size_t walk = 0; walk < weights.size(); ++walk) weights[walk] += Likeness(manner.met[p], model, walk) * model.steps[walk];
   }
   return weights;
 }
@@ -47,13 +47,15 @@ std::vector<double> LikeWalks(const MotionGraph& graph, int style, const WalkMan
 // The manner of a captured walk, drawn by the walks' weights, and noise for what is not known of it.
 WalkManner DrawCaptured(const MotionGraph& graph, int style, const std::vector<double>& weights, std::mt19937_64& rng) {
   const size_t count = static_cast<size_t>(graph.primitive_count());
-  WalkManner drawn{std::vector<Eigen::VectorXd>(count), std::vector<Eigen::VectorXd>(count)};
+  const std::vector<Eigen::VectorXd> none(count);
+  WalkManner drawn{none, none, none};
   const int walk = DrawIndex(weights, rng);
   if (walk < 0) return drawn;
   boost::random::normal_distribution<double> normal;
   for (const size_t p : WithManner(graph, style)) {
     const MannerModel& model = ModelOf(graph, p);
     const double n = model.steps[static_cast<size_t>(walk)];
+    drawn.met[p] = model.met.col(walk).cast<double>();
     drawn.components[p] = model.components.col(walk).cast<double>();
     Eigen::VectorXd& m = drawn.m[p];
     m = model.captured.col(walk).cast<double>();
@@ -79,7 +81,9 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
 }
 
 void FreeComponents(WalkManner* manner) {
-  for (Eigen::VectorXd& factors : manner->components) factors.resize(0);
+  for (auto* of_manner : {&manner->met, &manner->components}) {
+    for (Eigen::VectorXd& values : *of_manner) values.resize(0);
+  }
 }
 
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {
@@ -100,7 +104,9 @@ void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, Walk
   if (!prefers_any || chance(rng) >= 1 - kKept) return;
   // Metropolis and Hastings: so that walks which many others are like are not met ever more often.
   const std::vector<double> back = LikeWalks(graph, style, other);
-  if (chance(rng) * std::accumulate(back.begin(), back.end(), 0.0) < sum) manner->components = other.components;
+  if (chance(rng) * std::accumulate(back.begin(), back.end(), 0.0) >= sum) return;
+  manner->met = other.met;
+  manner->components = other.components;
 }
 
 }  // namespace morphograph

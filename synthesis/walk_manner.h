@@ -11,7 +11,8 @@ namespace morphograph {
 /// The manner of a walk under way, by primitive id; empty vectors for primitives of other styles and for those without a manner.
 struct WalkManner {
   std::vector<Eigen::VectorXd> m;           // of MannerModel
-  std::vector<Eigen::VectorXd> components;  // factors on the chances of mixture components; empty: all 1
+  std::vector<Eigen::VectorXd> met;         // how often it meets each mixture component; empty: as often as all walks
+  std::vector<Eigen::VectorXd> components;  // factors on the chances of entering them; empty: all 1
 };
 
 /// How often a captured walk's manner is met: at a step drawn from all steps, or at a time drawn from all time. Slow walks hold more

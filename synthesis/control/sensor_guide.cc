@@ -63,7 +63,7 @@ std::size_t SensorGuide::bytes() const {
   Eigen::Index values = readings.size() + repaired.readings.values.size();
   for (const DrawnStep& drawn : walk.steps) {
     values += drawn.shape.poses.size() + drawn.step.whitened.size() + drawn.step.latent.size();
-    for (const auto* of_manner : {&drawn.step.manner.m, &drawn.step.manner.components}) {
+    for (const auto* of_manner : {&drawn.step.manner.m, &drawn.step.manner.met, &drawn.step.manner.components}) {
       for (const Eigen::VectorXd& part : *of_manner) values += part.size() + 2;
     }
   }

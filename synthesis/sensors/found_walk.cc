@@ -126,6 +126,7 @@ void Locate(const MotionGraph& graph, int style, std::vector<DrawnStep>* walk) {
   std::map<int, Projector> projectors;
   WalkManner manner;
   manner.m.resize(static_cast<std::size_t>(graph.primitive_count()));
+  manner.met.resize(manner.m.size());
   manner.components.resize(manner.m.size());
   std::map<int, int> counts;
   for (DrawnStep& drawn : *walk) {

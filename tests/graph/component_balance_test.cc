@@ -23,8 +23,10 @@ FittedPrimitive Steps(KeyframeLabel start, KeyframeLabel end) {
   primitive.manner.share = Eigen::VectorXd::Constant(1, 0.5);
   primitive.manner.captured = Eigen::MatrixXf::Zero(1, 2);
   primitive.manner.steps = {50, 50};
-  primitive.manner.components.resize(2, 2);
   // 10 % and 50 % of turns: together 30 %.
+  primitive.manner.met.resize(2, 2);
+  primitive.manner.met << 0.9f, 0.5f, 0.1f, 0.5f;
+  primitive.manner.components.resize(2, 2);
   primitive.manner.components << 0.9f / 0.7f, 0.5f / 0.7f, 0.1f / 0.3f, 0.5f / 0.3f;
   return fitted;
 }
@@ -72,6 +74,19 @@ TEST(ComponentBalance, WalksTurnAsOftenAsCapturedOnes) {
     // Turns still follow turns.
     EXPECT_GT(edge.model.component_chances(1, 1), 3 * edge.model.component_chances(0, 1));
   }
+}
+
+// A clip that holds a step of one foot alone says nothing of the other's.
+TEST(ComponentBalance, AsksNothingOfStepsThatAWalkHasNot) {
+  std::vector<FittedPrimitive> fitted = {Steps(KeyframeLabel::kLeftStance, KeyframeLabel::kRightStance),
+                                         Steps(KeyframeLabel::kRightStance, KeyframeLabel::kLeftStance)};
+  MannerModel& right = fitted[1].primitive.manner;
+  right.steps[0] = 0;
+  right.met.col(0) << 0.7f, 0.3f;
+  right.components.col(0).setOnes();
+  std::vector<GraphEdge> edges = {Edge(0, 1), Edge(1, 0)};
+  BalanceComponents(&fitted, &edges);
+  EXPECT_EQ(right.components.col(0), Eigen::Vector2f(1, 1));
 }
 
 TEST(ComponentBalance, StepsIntoAWalkKeepTheirChances) {

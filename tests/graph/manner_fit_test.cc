@@ -50,6 +50,8 @@ TEST(MannerFit, FindsWhatStaysOverAWalkAndOnlyThat) {
   // Of the best prediction from six steps, 0.4 / 6 / (0.6 + 0.4 / 6) = 0.1 of the variance is missed.
   EXPECT_NEAR(missed / all, 0.1, 0.03);
   // Six steps of one component and a hundredth of a step of all walks, against a half.
+  EXPECT_NEAR(manner.met(0, 0), 6.005 / 6.01, 1e-5);
+  EXPECT_NEAR(manner.met(1, 0), 0.005 / 6.01, 1e-5);
   EXPECT_NEAR(manner.components(0, 0), 6.005 / 6.01 / 0.5, 1e-5);
   EXPECT_NEAR(manner.components(1, 0), 0.005 / 6.01 / 0.5, 1e-5);
 }

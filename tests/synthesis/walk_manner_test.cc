@@ -5,6 +5,7 @@
 #include <boost/random/normal_distribution.hpp>
 #include <cmath>
 
+#include "synthesis/graph_walk.h"
 #include "tests/support/small_model.h"
 
 namespace morphograph {
@@ -24,6 +25,7 @@ GraphContents TwoKindsOfWalks() {
   manner.seconds.assign(2 * kWalksOfAComponent, 3);
   manner.captured.resize(1, 2 * kWalksOfAComponent);
   manner.components.resize(2, 2 * kWalksOfAComponent);
+  manner.met.resize(2, 2 * kWalksOfAComponent);
   Eigen::VectorXd around(kWalksOfAComponent);
   for (double& value : around) value = normal(rng);
   around.array() -= around.mean();
@@ -33,6 +35,8 @@ GraphContents TwoKindsOfWalks() {
     manner.captured(0, kWalksOfAComponent + i) = static_cast<float>(-kMeanOfA + around[i]);
     manner.components.col(i) = Eigen::Vector2f(1.99f, 0.01f);
     manner.components.col(kWalksOfAComponent + i) = Eigen::Vector2f(0.01f, 1.99f);
+    manner.met.col(i) = Eigen::Vector2f(0.995f, 0.005f);
+    manner.met.col(kWalksOfAComponent + i) = Eigen::Vector2f(0.005f, 0.995f);
   }
   const auto model = testing::SmallModel();
   GraphContents contents;
@@ -93,6 +97,21 @@ TEST(WalkManner, DriftKeepsMeanAndVarianceOfEachMixtureComponent) {
   EXPECT_GT(least_factor, 1);  // no walk has gone over to the other component
 }
 
+// The factors are what a walk needs to keep meeting components as often; a first step follows none.
+TEST(WalkManner, FirstStepsMeetComponentsAsOftenAsCapturedOnes) {
+  GraphContents contents = TwoKindsOfWalks();
+  for (MotionPrimitive& primitive : contents.primitives) {
+    primitive.manner.met.row(0).setConstant(0.9f);
+    primitive.manner.met.row(1).setConstant(0.1f);
+    primitive.manner.components.setOnes();
+  }
+  const MotionGraph graph(std::move(contents), "");
+  std::mt19937_64 rng(5);
+  int of_first = 0;
+  for (int i = 0; i < 2000; ++i) of_first += DrawFirstStep(graph, 0, rng).component == 0;
+  EXPECT_NEAR(of_first / 2000.0, 0.9, 0.03);
+}
+
 TEST(WalkManner, IsMetAsOftenAsItTakesStepsOrTime) {
   GraphContents contents = TwoKindsOfWalks();
   for (MotionPrimitive& primitive : contents.primitives) {  // walks of B are three times as slow
@@ -117,6 +136,7 @@ TEST(WalkManner, FreedMeetsAllComponentsAndKeepsItsManner) {
   const double before = manner.m[0][0];
   FreeComponents(&manner);
   EXPECT_EQ(manner.components[0].size(), 0);
+  EXPECT_EQ(manner.met[0].size(), 0);
   EXPECT_EQ(manner.m[0][0], before);
   for (int step = 0; step < 500; ++step) DriftManner(graph, 0, rng, &manner);
   EXPECT_EQ(manner.components[0].size(), 0);
@@ -128,7 +148,10 @@ TEST(WalkManner, FreedMeetsAllComponentsAndKeepsItsManner) {
 TEST(WalkManner, LongWalksKeepToComponentsOfCapturedOnesByTheirSteps) {
   GraphContents contents = TwoKindsOfWalks();
   for (MotionPrimitive& primitive : contents.primitives) {  // a third of the walks of A keep to both components
-    for (int i = 0; i < kWalksOfAComponent / 3; ++i) primitive.manner.components.col(i) = Eigen::Vector2f(1, 1);
+    for (int i = 0; i < kWalksOfAComponent / 3; ++i) {
+      primitive.manner.components.col(i) = Eigen::Vector2f(1, 1);
+      primitive.manner.met.col(i) = Eigen::Vector2f(0.5f, 0.5f);
+    }
   }
   const MotionGraph graph(std::move(contents), "");
   std::mt19937_64 rng(9);
