@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "datasets/foot_retarget.h"
 #include "datasets/forward_kinematics.h"
 #include "datasets/turn_between.h"
 
@@ -187,19 +188,12 @@ void TargetWorld(const Skeleton& target, const std::vector<JointLink>& links, co
   }
 }
 
-// How low the balls of the feet come: the 10th percentile of the lower one.
-double LowBall(const MotionClip& clip) {
-  const RoleMap& roles = clip.skeleton().roles();
-  if (!roles.Has(JointRole::kLeftToe) || !roles.Has(JointRole::kRightToe)) return 0;
-  std::vector<double> heights;
-  WorldPose pose;
-  for (int f = 0; f < clip.frame_count(); ++f) {
-    ForwardKinematics(clip.skeleton(), clip.rotations(f), clip.root_positions().col(f), &pose);
-    heights.push_back(std::min(pose.positions(1, roles[JointRole::kLeftToe]), pose.positions(1, roles[JointRole::kRightToe])));
+// Bones of the same lengths and directions, to the last digit.
+bool SameBones(const Skeleton& a, const Skeleton& b) {
+  for (int j = 0; j < a.joint_count(); ++j) {
+    if (j != a.moving_root() && a.joint(j).offset_m != b.joint(j).offset_m) return false;
   }
-  const auto low = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 10);
-  std::nth_element(heights.begin(), low, heights.end());
-  return *low;
+  return true;
 }
 
 }  // namespace
@@ -249,9 +243,7 @@ MotionClip Retarget(const MotionClip& clip, const std::shared_ptr<const Skeleton
       if (f > 0 && rotation.dot(moved.rotation(f - 1, j)) < 0) rotation.coeffs() *= -1;
     }
   }
-  if (clip.frame_count() > 0) {
-    moved.root_positions().row(1).array() += LowBall(clip) - LowBall(moved);
-  }
+  if (!same || !SameBones(source, *target)) PlaceFeetAsIn(clip, scale, &moved);
   return moved;
 }
 

@@ -14,8 +14,8 @@ namespace morphograph {
 /// directions; pelvis, feet and toes as they turn away from rest, so that soles that lie flat stay flat. Spine joints
 /// without a role are spread between their neighbours, other joints without one copy
 /// the local rotation of a joint of the same name below a parent of the same name, or keep their rest pose. The root's path is
-/// scaled by the ratio of the leg lengths about the world origin, then lifted so that the balls of the feet come
-/// as low as they do in the source.
+/// scaled by the ratio of the leg lengths about the world origin. Legs are then bent a little, so that feet go where the source's go and stand
+/// as high (PlaceFeetAsIn): of bones of other lengths the same turns would put them elsewhere.
 ///
 /// @throws std::invalid_argument when the skeletons differ and either lacks leg roles, or has a rest pose that is not
 ///   an upright figure with straight legs down and its left side on one hand (bnr's bones all point along X at rest).

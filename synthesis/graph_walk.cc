@@ -5,6 +5,7 @@
 #include <boost/random/uniform_int_distribution.hpp>
 #include <cmath>
 
+#include "graph/action_change.h"
 #include "graph/walk_boundary.h"
 #include "primitives/whitening.h"
 #include "synthesis/draw_index.h"
@@ -13,6 +14,8 @@ namespace morphograph {
 namespace {
 
 constexpr double kLogTwoPi = 1.8378770664093454836;
+constexpr int kOtherWalkers = 12;         // that are tried to go on from a start
+constexpr double kSettingOff_m_s2 = 0.9;  // change of speed after a captured start: 0.74
 
 Eigen::VectorXd DrawStandardNormal(int size, std::mt19937_64& rng) {
   boost::random::normal_distribution<double> normal;
@@ -64,25 +67,8 @@ void KeepInsideCapture(const MotionPrimitive& primitive, Eigen::VectorXd* whiten
   if (primitive.latent_radius > 0 && radius > primitive.latent_radius) *whitened *= primitive.latent_radius / radius;
 }
 
-}  // namespace
-
-WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng) {
-  const MotionPrimitive& model = graph.primitive(primitive);
-  WalkStep step;
-  step.primitive = primitive;
-  std::vector<double> weights;
-  for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
-  step.manner = DrawManner(graph, model.style_index, MetAt::kTime, rng);
-  if (const Eigen::VectorXd& met = step.manner.met[static_cast<size_t>(primitive)]; met.size() > 0) weights.assign(met.begin(), met.end());
-  step.component = std::max(0, DrawIndex(weights, rng));
-  step.whitened = InWalk(model, step.manner.m[primitive], DrawStandardNormal(model.reduction.components(), rng));
-  KeepInsideCapture(model, &step.whitened);
-  step.latent = Colour(model.mixture.Component(step.component), step.whitened);
-  step.log_likelihood = model.mixture.LogDensity(step.latent);
-  return step;
-}
-
-WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng) {
+// The step after `previous`, of its walker.
+WalkStep DrawOn(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng) {
   const TransitionModel& transition = graph.transition(edge);
   WalkStep step;
   step.primitive = graph.edge_to(edge);
@@ -110,6 +96,44 @@ WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int ed
   step.log_likelihood = std::log(transition.probability) +
                         std::log(transition.component_chances(previous.component, step.component)) -
                         0.5 * (noise.solve(WithinWalk(model, step.manner.m[step.primitive], step.whitened) - mean).squaredNorm() + mean.size() * kLogTwoPi) - log_volume;
+  return step;
+}
+
+double SpeedChange_m_s2(const MotionGraph& graph, const WalkStep& step, const WalkStep& next) {
+  return SpeedChange_m_s2(graph.primitive(step.primitive).Shape(step.latent), graph.primitive(next.primitive).Shape(next.latent));
+}
+
+}  // namespace
+
+WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64& rng) {
+  const MotionPrimitive& model = graph.primitive(primitive);
+  WalkStep step;
+  step.primitive = primitive;
+  std::vector<double> weights;
+  for (int c = 0; c < model.mixture.size(); ++c) weights.push_back(std::exp(model.mixture.Component(c).log_weight));
+  step.manner = DrawManner(graph, model.style_index, MetAt::kTime, rng);
+  if (const Eigen::VectorXd& met = step.manner.met[static_cast<size_t>(primitive)]; met.size() > 0) weights.assign(met.begin(), met.end());
+  step.component = std::max(0, DrawIndex(weights, rng));
+  step.whitened = InWalk(model, step.manner.m[primitive], DrawStandardNormal(model.reduction.components(), rng));
+  KeepInsideCapture(model, &step.whitened);
+  step.latent = Colour(model.mixture.Component(step.component), step.whitened);
+  step.log_likelihood = model.mixture.LogDensity(step.latent);
+  return step;
+}
+
+WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng) {
+  WalkStep step = DrawOn(graph, previous, edge, rng);
+  if (!previous.gathers_speed) return step;
+  // Who set off slowly goes on slowly: steps that gather speed are few and know nothing of the manner that was drawn with the first.
+  double least = SpeedChange_m_s2(graph, previous, step);
+  for (int i = 0; i < kOtherWalkers && least > kSettingOff_m_s2; ++i) {
+    WalkStep other = previous;
+    other.manner = DrawManner(graph, graph.primitive(previous.primitive).style_index, MetAt::kStep, rng);
+    if (IsFree(previous.manner)) FreeComponents(&other.manner);
+    WalkStep next = DrawOn(graph, other, edge, rng);
+    const double change = SpeedChange_m_s2(graph, previous, next);
+    if (change < least) least = change, step = std::move(next);
+  }
   return step;
 }
 

@@ -28,7 +28,8 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
 /// Draws the step that follows over an edge: transition and prior together (METHODS section 3, see TransitionModel).
 ///
 /// A step stays within what its primitive has seen. Not so the step after a start: that one is learned from captured second steps, which
-/// still gather speed and lie far outside of the steady ones; it stays near those that its transition has seen.
+/// still gather speed and lie far outside of the steady ones; it stays near those that its transition has seen. The one after that is another walker's
+/// where the walk's own would leap into his stride.
 WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng);
 
 }  // namespace morphograph

@@ -1,5 +1,6 @@
 #include "synthesis/walk_manner.h"
 
+#include <algorithm>
 #include <boost/random/normal_distribution.hpp>
 #include <boost/random/uniform_01.hpp>
 #include <cmath>
@@ -84,6 +85,10 @@ void FreeComponents(WalkManner* manner) {
   for (auto* of_manner : {&manner->met, &manner->components}) {
     for (Eigen::VectorXd& values : *of_manner) values.resize(0);
   }
+}
+
+bool IsFree(const WalkManner& manner) {
+  return std::all_of(manner.components.begin(), manner.components.end(), [](const Eigen::VectorXd& factors) { return factors.size() == 0; });
 }
 
 void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, WalkManner* manner) {

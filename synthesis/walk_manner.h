@@ -25,6 +25,8 @@ WalkManner DrawManner(const MotionGraph& graph, int style, MetAt met, std::mt199
 
 /// Lets a walk of that manner meet the mixture components of every primitive about as often as all walks together do, however far it goes.
 void FreeComponents(WalkManner* manner);
+/// Whether it does.
+bool IsFree(const WalkManner& manner);
 
 /// The manner a step later. m drifts slowly, among those of walks that keep to the same mixture components, and keeps its variance; now and then the components become those of another such
 /// walk. Over many steps captured walks are met by their steps.

@@ -92,7 +92,7 @@ class Goals {
       const Eigen::Vector3d wanted = (term.value_m - pose.positions.col(problem_.head.joint)).normalized();
       return LogMap(Eigen::Quaterniond::FromTwoVectors(facing, wanted));
     };
-    Apply({problem_.head.joint, Frame(term.from_s), Frame(term.to_s), nullptr, turn});
+    Apply({problem_.head.joint, Frame(term.from_s), Frame(term.to_s), nullptr, turn, problem_.graph.styles()[static_cast<size_t>(problem_.style)].mean_rotations});
   }
 
   void Of(const HeadingTerm&, const std::vector<ResolvedJoint>&) {}

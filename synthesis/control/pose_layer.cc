@@ -18,6 +18,7 @@ constexpr double kLean_rad = 0.26;   // of the trunk against the walk's, all its
 constexpr double kClose_m = 2e-4, kClose_rad = 1e-3;
 constexpr double kEaseIn_s = 0.25, kEaseSpeed_rad_s = 2.5, kLongestEase_s = 0.9;
 constexpr double kHeadTurn_rad = 1.2;  // of the head against the trunk, all joints of the neck together
+constexpr double kOwnTurn = 1.3;  // of a link's limit: how far from its neutral rotation a walk itself may have it
 constexpr double kStraightest_rad = 0.12, kMostBent_rad = 2.6;  // flexion of an elbow
 
 bool IsAncestor(const Skeleton& skeleton, int ancestor, int joint) {
@@ -52,6 +53,14 @@ bool KeepInRange(const Skeleton& skeleton, const LimbChain& chain, const ArmRang
     rotation = (parent.conjugate() * *back * parent * rotation).normalized();
   }
   return true;
+}
+
+// A rotation brought back to within a link's limit.
+Eigen::Quaterniond Limited(const Eigen::Quaterniond& rotation, const Eigen::Quaterniond& free, const LimbChain::Link& link, const PoseGoal& goal) {
+  const Eigen::Quaterniond from = goal.neutral.empty() ? free : goal.neutral.at(static_cast<size_t>(link.joint));
+  const double limit = std::max(link.limit_rad, std::min(kOwnTurn * link.limit_rad, from.angularDistance(free)));
+  const Eigen::Vector3d all = LogMap(from.conjugate() * rotation);
+  return all.norm() > limit ? from * ExpMap(all * (limit / all.norm())) : rotation;
 }
 
 using Turns = std::vector<Eigen::Vector3d>;  // of each link, in its joint's own frame
@@ -155,10 +164,7 @@ class FrameSolver {
       if (std::abs(wanted) > 1e-12) world *= allowed / wanted;
     }
     const Eigen::Quaterniond parent = pose_.rotations[static_cast<size_t>(skeleton_.parent(link.joint))];
-    Eigen::Quaterniond turned = (ExpMap(parent.conjugate() * world) * rotations_[j]).normalized();
-    const Eigen::Vector3d all = LogMap(free_[j].conjugate() * turned);
-    if (all.norm() > link.limit_rad) turned = free_[j] * ExpMap(all * (link.limit_rad / all.norm()));
-    rotations_[j] = turned;
+    rotations_[j] = Limited((ExpMap(parent.conjugate() * world) * rotations_[j]).normalized(), free_[j], link, goal_);
   }
 
   const Skeleton& skeleton_;
@@ -241,9 +247,7 @@ int ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* cl
       Eigen::Quaterniond& rotation = clip->rotation(f, chain.links()[k].joint);
       rotation = (rotation * ExpMap(part * at[k])).normalized();
       // Eased turns of several goals may add up.
-      const Eigen::Quaterniond& free = before.rotation(f, chain.links()[k].joint);
-      const Eigen::Vector3d all = LogMap(free.conjugate() * rotation);
-      if (const double limit = chain.links()[k].limit_rad; all.norm() > limit) rotation = free * ExpMap(all * (limit / all.norm()));
+      rotation = Limited(rotation, before.rotation(f, chain.links()[k].joint), chain.links()[k], goal);
     }
     if (const auto range = RangeOf(clip->skeleton(), chain, ForwardKinematics(before, f)))
       KeepInRange(clip->skeleton(), chain, *range, ForwardKinematics(*clip, f), &clip->rotation(f, 0));

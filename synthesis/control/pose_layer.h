@@ -19,6 +19,9 @@ struct PoseGoal {
   std::function<Eigen::Vector3d(int frame, const WorldPose& pose)> position;
   /// Or the turn about the world's axes that the joint is to make.
   std::function<Eigen::Vector3d(int frame, const WorldPose& pose)> turn;
+  /// Rotations of all joints from which turns are limited, a little further where the clip goes further by itself; empty: from the clip before any goal. A walk that
+  /// twists to please a goal must not lend its twist to the joints that finish it.
+  std::vector<Eigen::Quaterniond> neutral = {};
 };
 
 /// The joints that a goal may use: from the joint up to the trunk, and for arms the joints of the trunk as well, which lean a little where the
@@ -48,7 +51,7 @@ class LimbChain {
 
 /// Turns the joints of arms or head, no more than it takes (damped least squares) and within what they can (ArmRange and limits of each joint), so that
 /// a goal is met in each frame of its span; eases in and out over a time that grows with the turn. What is out of reach stays missed.
-/// @param before  the clip before any goal: limits are of the turns away from that, however many goals a limb has.
+/// @param before  the clip before any goal: limits are of the turns away from that or from PoseGoal::neutral, however many goals a limb has.
 /// @return how many poses were worked out on the way.
 int ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* clip);
 

@@ -204,9 +204,9 @@ TEST(SteeredSynthesis, StepsAreToKeepTime) {
   request.duration_s = 3;
   const ControlProblem problem = MakeControlProblem(Model(), request, 0, 30);
   KinematicsCache kinematics(Model());
-  // What a third step costs that is 5 deviations off in time less one that is 2 off; both are off in no other way. Steps of several walks, as other terms change too.
+  // What a third step costs that is 5 deviations off in time less one that is 2 off; both are off in no other way. The median of several walks, as in some other terms change too.
   constexpr int kWalks = 8;
-  double more = 0;
+  std::vector<double> more;
   for (std::uint64_t seed = 1; seed <= kWalks; ++seed) {
     std::mt19937_64 rng(seed);
     SteerBudget budget(1e6);
@@ -228,10 +228,10 @@ TEST(SteeredSynthesis, StepsAreToKeepTime) {
       equations.Evaluate({}, &sum, nullptr, nullptr, nullptr);
       return sum;
     };
-    more += (cost(5) - cost(2)) / kWalks;
+    more.push_back(cost(5) - cost(2));
   }
   const double by_time = 0.5 * std::pow((5 - 2.576) / 0.25, 2), by_prior = 0.5 * (5 * 5 - 2 * 2);
-  EXPECT_NEAR(more, by_time + by_prior, 0.3 * by_time);
+  EXPECT_NEAR(Quantile(more, 0.5), by_time + by_prior, 0.3 * by_time);
 }
 
 // Bends tighter than recorded ones (radii under a metre) are not made by one swing that no walker makes.
