@@ -63,10 +63,11 @@ void PlaceFeetAsIn(const MotionClip& source, double scale, MotionClip* moved) {
   }
   const Foot sides[2] = {Foot::kLeft, Foot::kRight};
   std::vector<LegPlace> there[2];
-  double low[2], lift = 0;
+  double low[2], level = 0, lift = 0;
   for (int i = 0; i < 2; ++i) {
     there[i] = Places(LegIk(source.skeleton(), sides[i]), source);
     low[i] = LowBall(there[i]);
+    level += 0.5 * low[i];
     lift += 0.5 * (low[i] - LowBall(Places(LegIk(moved->skeleton(), sides[i]), *moved)));
   }
   moved->root_positions().row(1).array() += lift;
@@ -76,7 +77,7 @@ void PlaceFeetAsIn(const MotionClip& source, double scale, MotionClip* moved) {
       const LegPlace here = leg.Place(moved->root_positions().col(f), moved->rotations(f));
       const LegPlace& model = there[i][static_cast<size_t>(f)];
       Eigen::Vector3d target = scale * model.ankle_m;
-      target.y() = here.ankle_m.y() + low[i] + scale * (model.toe_m.y() - low[i]) - here.toe_m.y();
+      target.y() = here.ankle_m.y() + level + scale * (model.toe_m.y() - low[i]) - here.toe_m.y();
       leg.Solve(WithinReach(here, leg.length_m(), target), std::nullopt, moved->root_positions().col(f), &moved->rotation(f, 0));
     }
   }

@@ -8,8 +8,9 @@ namespace morphograph {
 /// the same turns of the joints leave feet that stood hanging, or sunk, by centimetres.
 ///
 /// The body is lifted so that both balls together come as low as they do in the source. Then each leg is bent or stretched: ankles go the source's
-/// way over the floor, `scale` times as far, and balls rise as many times as high over where they are low. Feet stay turned as they are. A leg
-/// is never stretched by more than most of what it is bent.
+/// way over the floor, `scale` times as far, and balls rise as many times as high over where they are low, which becomes one height for both:
+/// where one ball stands a centimetre over the other on a level floor, that is how the source's joints were placed in its feet. Feet stay turned
+/// as they are. A leg is never stretched by more than most of what it is bent.
 ///
 /// Where either skeleton lacks leg roles the body alone is lifted, by the lower ball.
 ///

@@ -74,16 +74,21 @@ TEST(Retarget, FeetOfUnequalLegsGoWhereTheSourceWent) {
   for (const char* file : {"cmu/08/08_02.bvh", "cmu/08/08_08.bvh", "cmu/131/131_01.bvh"}) {
     const MotionClip clip = Read(file), moved = Retarget(clip, seven.shared_skeleton());
     const double scale = moved.skeleton().leg_length_m() / clip.skeleton().leg_length_m();
+    const auto at = [](const MotionClip& of, int f, JointRole role) -> Eigen::Vector3d { return ForwardKinematics(of, f).positions.col(of.skeleton().roles()[role]); };
+    const auto low = [&](const MotionClip& of, JointRole ball) {
+      std::vector<double> heights;
+      for (int f = 0; f < of.frame_count(); ++f) heights.push_back(at(of, f, ball).y());
+      return Quantile(heights, 0.1);
+    };
+    const double level = 0.5 * (low(clip, JointRole::kLeftToe) + low(clip, JointRole::kRightToe));
     for (const bool left : {true, false}) {
       const JointRole ankle = left ? JointRole::kLeftAnkle : JointRole::kRightAnkle, ball = left ? JointRole::kLeftToe : JointRole::kRightToe;
       std::vector<double> heights, aside;
-      double low = 1;
-      const auto at = [](const MotionClip& of, int f, JointRole role) -> Eigen::Vector3d { return ForwardKinematics(of, f).positions.col(of.skeleton().roles()[role]); };
-      for (int f = 0; f < clip.frame_count(); ++f) low = std::min(low, at(clip, f, ball).y());
+      const double of_ball = low(clip, ball);
       for (int f = 0; f < clip.frame_count(); ++f) {
         const Eigen::Vector3d away = at(moved, f, ankle) - scale * at(clip, f, ankle);
         aside.push_back(std::hypot(away.x(), away.z()));
-        heights.push_back(std::abs(at(moved, f, ball).y() - low - scale * (at(clip, f, ball).y() - low)));
+        heights.push_back(std::abs(at(moved, f, ball).y() - level - scale * (at(clip, f, ball).y() - of_ball)));
       }
       // Where a leg is as good as straight it falls short a little.
       EXPECT_LT(Quantile(aside, 0.95), 0.01) << file << left;
