@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <stdexcept>
 #include <vector>
 
 #include "datasets/forward_kinematics.h"
@@ -31,7 +32,16 @@ double LowerBall(const MotionClip& clip) {
   return Low(std::move(heights));
 }
 
-bool HasLegs(const Skeleton& skeleton) { return skeleton.roles().Missing(LocomotionRoles()).empty(); }
+constexpr Foot kSides[2] = {Foot::kLeft, Foot::kRight};
+
+// Both legs; none where a skeleton has not two that can be bent.
+std::vector<LegIk> LegsOf(const Skeleton& skeleton) {
+  try {
+    return {LegIk(skeleton, kSides[0]), LegIk(skeleton, kSides[1])};
+  } catch (const std::invalid_argument&) {
+    return {};
+  }
+}
 
 std::vector<LegPlace> Places(const LegIk& leg, const MotionClip& clip) {
   std::vector<LegPlace> places;
@@ -57,28 +67,27 @@ Eigen::Vector3d WithinReach(const LegPlace& place, double length_m, const Eigen:
 void PlaceFeetAsIn(const MotionClip& source, double scale, MotionClip* moved) {
   const int frames = source.frame_count();
   if (frames == 0) return;
-  if (!HasLegs(source.skeleton()) || !HasLegs(moved->skeleton())) {
+  const std::vector<LegIk> source_legs = LegsOf(source.skeleton()), legs = LegsOf(moved->skeleton());
+  if (source_legs.empty() || legs.empty()) {
     moved->root_positions().row(1).array() += LowerBall(source) - LowerBall(*moved);
     return;
   }
-  const Foot sides[2] = {Foot::kLeft, Foot::kRight};
   std::vector<LegPlace> there[2];
   double low[2], level = 0, lift = 0;
-  for (int i = 0; i < 2; ++i) {
-    there[i] = Places(LegIk(source.skeleton(), sides[i]), source);
+  for (size_t i = 0; i < legs.size(); ++i) {
+    there[i] = Places(source_legs[i], source);
     low[i] = LowBall(there[i]);
     level += 0.5 * low[i];
-    lift += 0.5 * (low[i] - LowBall(Places(LegIk(moved->skeleton(), sides[i]), *moved)));
+    lift += 0.5 * (low[i] - LowBall(Places(legs[i], *moved)));
   }
   moved->root_positions().row(1).array() += lift;
-  for (int i = 0; i < 2; ++i) {
-    const LegIk leg(moved->skeleton(), sides[i]);
+  for (size_t i = 0; i < legs.size(); ++i) {
     for (int f = 0; f < frames; ++f) {
-      const LegPlace here = leg.Place(moved->root_positions().col(f), moved->rotations(f));
+      const LegPlace here = legs[i].Place(moved->root_positions().col(f), moved->rotations(f));
       const LegPlace& model = there[i][static_cast<size_t>(f)];
       Eigen::Vector3d target = scale * model.ankle_m;
       target.y() = here.ankle_m.y() + level + scale * (model.toe_m.y() - low[i]) - here.toe_m.y();
-      leg.Solve(WithinReach(here, leg.length_m(), target), std::nullopt, moved->root_positions().col(f), &moved->rotation(f, 0));
+      legs[i].Solve(WithinReach(here, legs[i].length_m(), target), std::nullopt, moved->root_positions().col(f), &moved->rotation(f, 0));
     }
   }
 }

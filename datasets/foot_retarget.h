@@ -12,7 +12,7 @@ namespace morphograph {
 /// where one ball stands a centimetre over the other on a level floor, that is how the source's joints were placed in its feet. Feet stay turned
 /// as they are. A leg is never stretched by more than most of what it is bent.
 ///
-/// Where either skeleton lacks leg roles the body alone is lifted, by the lower ball.
+/// Where either skeleton has not two legs that can be bent the body alone is lifted, by the lower ball.
 ///
 /// @param scale  length of the target's legs over that of the source's.
 /// @param moved  on the target skeleton, frame by frame the same poses, its root's path scaled.

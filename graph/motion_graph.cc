@@ -38,7 +38,7 @@ void CheckPrimitive(const MotionPrimitive& primitive, const GraphContents& conte
               manner.components.rows() == primitive.mixture.size() && manner.components.cols() == manner.captured.cols() &&
               manner.met.rows() == manner.components.rows() && manner.met.cols() == manner.components.cols(),
           name + "manner does not fit the reduction");
-  Require(manner.captured.allFinite() && manner.components.allFinite() && manner.components.minCoeff() > 0 && manner.met.allFinite() && manner.met.minCoeff() >= 0 && manner.share.minCoeff() >= 0 && manner.share.maxCoeff() < 1, name + "manner has shares outside [0, 1)");
+  Require(manner.captured.allFinite() && manner.components.allFinite() && manner.components.minCoeff() > 0 && manner.met.allFinite() && manner.met.minCoeff() >= 0 && (manner.met.colwise().sum().array() - 1).abs().maxCoeff() < 1e-3f && manner.share.minCoeff() >= 0 && manner.share.maxCoeff() < 1, name + "manner has shares outside [0, 1), or factors or meetings that are none");
   for (size_t walk = 0; walk < manner.steps.size(); ++walk) {
     Require(manner.steps[walk] >= 0 && std::isfinite(manner.seconds[walk]) && manner.seconds[walk] >= 0, name + "a walk of the manner is negative");
   }

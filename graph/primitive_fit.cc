@@ -81,7 +81,7 @@ FittedPrimitive FitPrimitive(const std::vector<PreparedClip>& clips, const std::
 
   const Eigen::MatrixXd steady_latents = fitted.latents(Eigen::all, steady);
   StepContacts told = FitStepContacts(contacts, steady_latents, sources);
-  primitive.contacts = std::move(told.at_mean);
+  primitive.contacts = std::move(told.at_zero);
   primitive.contact_map = std::move(told.map);
   GaussianMixtureOptions mixture_options;
   // On a handful of points the information criterion takes every point for a component of its own.

@@ -79,12 +79,13 @@ StepContacts FitStepContacts(const std::vector<ContactProfile>& steps, const Eig
     throw std::invalid_argument("FitStepContacts: needs contacts, latent and clip of every step, and at least one");
   }
   StepContacts told;
-  told.at_mean = MeanContacts(steps);
+  told.at_zero = MeanContacts(steps);
   Eigen::MatrixXd map = Eigen::MatrixXd::Zero(kContactRows * kPhaseSamples, latents.rows());
   Indices all;
   for (Eigen::Index i = 0; i < count; ++i) all.push_back(i);
   const double energy = latents.size() > 0 ? latents.array().square().mean() : 0;
-  const Eigen::MatrixXd centred = latents.colwise() - latents.rowwise().mean();
+  const Eigen::VectorXd mean = latents.rowwise().mean();
+  const Eigen::MatrixXd centred = latents.colwise() - mean;
   for (int part = 0; part < kFootParts; ++part) {
     const std::vector<int> rows = MotionRows(part);
     internal::HeldOutRidge chances(1, energy), motions(static_cast<int>(rows.size()), energy);
@@ -102,11 +103,15 @@ StepContacts FitStepContacts(const std::vector<ContactProfile>& steps, const Eig
       motions.Add(places.colwise() - centres.back(), Deviations(steps, planted, rows, sample), of_clips);
     }
     const std::vector<Eigen::MatrixXd> of_chances = chances.Maps(), of_motions = motions.Maps();
-    for (int sample = 0; sample < kPhaseSamples; ++sample) map.row(kContactRows * sample + kPlantedChance + part) = of_chances[static_cast<size_t>(sample)];
+    for (int sample = 0; sample < kPhaseSamples; ++sample) {
+      const Eigen::RowVectorXd of_chance = of_chances[static_cast<size_t>(sample)];
+      map.row(kContactRows * sample + kPlantedChance + part) = of_chance;
+      told.at_zero(kPlantedChance + part, sample) -= of_chance * mean;
+    }
     for (size_t k = 0; k < samples.size(); ++k) {
       for (size_t r = 0; r < rows.size(); ++r) map.row(kContactRows * samples[k] + rows[r]) = of_motions[k].row(static_cast<Eigen::Index>(r));
       // Those that are planted have a mean latent of their own.
-      told.at_mean(rows, samples[k]) -= of_motions[k] * centres[k];
+      told.at_zero(rows, samples[k]) -= of_motions[k] * centres[k];
     }
   }
   told.map = map.cast<float>();

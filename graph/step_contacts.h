@@ -20,7 +20,7 @@ ContactProfile MeanContacts(const std::vector<ContactProfile>& steps);
 
 /// What the feet of a class's steps do, as MotionPrimitive tells it by the latent.
 struct StepContacts {
-  ContactProfile at_mean;  // at the latents' mean, 0
+  ContactProfile at_zero;  // where the latent is 0
   Eigen::MatrixXf map;     // (kContactRows * kPhaseSamples x components)
 };
 

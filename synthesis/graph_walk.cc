@@ -123,7 +123,7 @@ WalkStep DrawFirstStep(const MotionGraph& graph, int primitive, std::mt19937_64&
 
 WalkStep DrawNextStep(const MotionGraph& graph, const WalkStep& previous, int edge, std::mt19937_64& rng) {
   WalkStep step = DrawOn(graph, previous, edge, rng);
-  if (!previous.gathers_speed) return step;
+  if (!previous.gathers_speed || EndsIn(graph.primitive(step.primitive)) != WalkBoundary::kWalking) return step;
   // Who set off slowly goes on slowly: steps that gather speed are few and know nothing of the manner that was drawn with the first.
   double least = SpeedChange_m_s2(graph, previous, step);
   for (int i = 0; i < kOtherWalkers && least > kSettingOff_m_s2; ++i) {

@@ -95,7 +95,9 @@ void DriftManner(const MotionGraph& graph, int style, std::mt19937_64& rng, Walk
   const std::vector<double> weights = LikeWalks(graph, style, *manner);
   const WalkManner other = DrawCaptured(graph, style, weights, rng);
   const Eigen::Map<const Eigen::VectorXd> shares(weights.data(), static_cast<Eigen::Index>(weights.size()));
-  const double sum = shares.sum(), fresh = std::sqrt(1 - kKept * kKept);
+  const double sum = shares.sum();
+  if (!(sum > 0)) return;  // like no walk that is known
+  const double fresh = std::sqrt(1 - kKept * kKept);
   bool prefers_any = false;
   for (const size_t p : WithManner(graph, style)) {
     if (other.m[p].size() == 0) continue;

@@ -17,7 +17,7 @@ constexpr double kLeanFor_m = 2e-3;  // the trunk helps where an arm alone misse
 constexpr double kLean_rad = 0.26;   // of the trunk against the walk's, all its joints together
 constexpr double kClose_m = 2e-4, kClose_rad = 1e-3;
 constexpr double kEaseIn_s = 0.25, kEaseSpeed_rad_s = 2.5, kLongestEase_s = 0.9;
-constexpr double kHeadTurn_rad = 1.2;  // of the head against the trunk, all joints of the neck together
+constexpr double kHeadTurn_rad = 1.2;  // of the head against the trunk, all joints of the neck together; for a look up to kOwnTurn times as much
 constexpr double kOwnTurn = 1.3;  // of a link's limit: how far from its neutral rotation a walk itself may have it
 constexpr double kStraightest_rad = 0.12, kMostBent_rad = 2.6;  // flexion of an elbow
 
@@ -55,10 +55,11 @@ bool KeepInRange(const Skeleton& skeleton, const LimbChain& chain, const ArmRang
   return true;
 }
 
-// A rotation brought back to within a link's limit.
-Eigen::Quaterniond Limited(const Eigen::Quaterniond& rotation, const Eigen::Quaterniond& free, const LimbChain::Link& link, const PoseGoal& goal) {
+// A rotation brought back to within a link's limit, which opens up to where the clip itself has the joint as its part in the goal goes to 0.
+Eigen::Quaterniond Limited(const Eigen::Quaterniond& rotation, const Eigen::Quaterniond& free, double part, const LimbChain::Link& link, const PoseGoal& goal) {
   const Eigen::Quaterniond from = goal.neutral.empty() ? free : goal.neutral.at(static_cast<size_t>(link.joint));
-  const double limit = std::max(link.limit_rad, std::min(kOwnTurn * link.limit_rad, from.angularDistance(free)));
+  const double own = from.angularDistance(free);
+  const double limit = std::max(link.limit_rad, own + part * (std::min(kOwnTurn * link.limit_rad, own) - own));
   const Eigen::Vector3d all = LogMap(from.conjugate() * rotation);
   return all.norm() > limit ? from * ExpMap(all * (limit / all.norm())) : rotation;
 }
@@ -164,7 +165,7 @@ class FrameSolver {
       if (std::abs(wanted) > 1e-12) world *= allowed / wanted;
     }
     const Eigen::Quaterniond parent = pose_.rotations[static_cast<size_t>(skeleton_.parent(link.joint))];
-    rotations_[j] = Limited((ExpMap(parent.conjugate() * world) * rotations_[j]).normalized(), free_[j], link, goal_);
+    rotations_[j] = Limited((ExpMap(parent.conjugate() * world) * rotations_[j]).normalized(), free_[j], 1, link, goal_);
   }
 
   const Skeleton& skeleton_;
@@ -247,7 +248,7 @@ int ApplyPoseGoal(const PoseGoal& goal, const MotionClip& before, MotionClip* cl
       Eigen::Quaterniond& rotation = clip->rotation(f, chain.links()[k].joint);
       rotation = (rotation * ExpMap(part * at[k])).normalized();
       // Eased turns of several goals may add up.
-      rotation = Limited(rotation, before.rotation(f, chain.links()[k].joint), chain.links()[k], goal);
+      rotation = Limited(rotation, before.rotation(f, chain.links()[k].joint), part, chain.links()[k], goal);
     }
     if (const auto range = RangeOf(clip->skeleton(), chain, ForwardKinematics(before, f)))
       KeepInRange(clip->skeleton(), chain, *range, ForwardKinematics(*clip, f), &clip->rotation(f, 0));

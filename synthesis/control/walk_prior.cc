@@ -17,7 +17,11 @@ WithinWalk WithinWalkOf(const MotionGraph& graph, const WalkStep& step) {
 
 StepInnovation::StepInnovation(const MotionGraph& graph, const WalkStep& previous, const WalkStep& next)
     : transition_(graph.transition(next.edge)) {
-  const WithinWalk from = WithinWalkOf(graph, previous), to = WithinWalkOf(graph, next);
+  WithinWalk from = WithinWalkOf(graph, previous);
+  const WithinWalk to = WithinWalkOf(graph, next);
+  // The step after a start may be another walker's (DrawNextStep), who has made this one, too.
+  const Eigen::VectorXd& of_next = next.manner.m[static_cast<size_t>(previous.primitive)];
+  if (previous.gathers_speed && of_next.size() == from.manner.size()) from.manner = of_next;
   previous_manner_ = from.manner;
   previous_scale_ = from.scale;
   next_manner_ = to.manner;

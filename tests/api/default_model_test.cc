@@ -15,7 +15,7 @@ namespace {
 TEST(DefaultModel, StartsAtRestAndEndsAtRest) {
   const std::shared_ptr<const MotionGraph> graph = LoadDefaultModel();
   ASSERT_TRUE(graph) << "datasets/models/walk.mgm was not there when this was built";
-  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+  for (std::uint64_t seed = 0; seed < 40; ++seed) {
     SynthesisRequest request;
     request.seed = seed;
     request.duration_s = 6;
@@ -31,8 +31,9 @@ TEST(DefaultModel, StartsAtRestAndEndsAtRest) {
       EXPECT_LT(speed(root.cols() - 2 - f), 0.15) << seed;
     }
     for (Eigen::Index f = 0; f + 2 < root.cols(); ++f) {
-      // Measured: 0.51 m/s within a frame, 0.36 in steady walking. A pose that is held brakes by 1 m/s, a leap between steps by 2 to 5.
-      EXPECT_LT(std::abs(speed(f + 1) - speed(f)), 0.6) << seed << " frame " << f;
+      // Measured: 0.51 m/s within a frame, 0.36 in steady walking. A pose that is held brakes by 1 m/s, a leap between steps by 2 to 5; who goes on
+      // after a start at another walker's speed leaps by 0.75.
+      EXPECT_LT(std::abs(speed(f + 1) - speed(f)), 0.55) << seed << " frame " << f;
     }
     EXPECT_THAT(result.report.steps.front().primitive, ::testing::EndsWith("_first_start"));
     EXPECT_THAT(result.report.steps.back().primitive, ::testing::EndsWith("_end"));

@@ -100,6 +100,14 @@ TEST(MotionGraph, RefusesPartsThatDoNotFit) {
   EXPECT_THAT(refusal([](GraphContents* c) { c->edges[0].model.residual_component.at(0) = 99; }), HasSubstr("edge 0: a residual"));
   EXPECT_THAT(refusal([](GraphContents* c) { c->edges[1].model.linear(0, 0) = std::nanf(""); }), HasSubstr("edge 1"));
   EXPECT_THAT(refusal([](GraphContents* c) { c->primitives[0].latent_radius = -1; }), HasSubstr("negative"));
+  EXPECT_THAT(refusal([](GraphContents* c) {
+                MannerModel& manner = c->primitives[0].manner;
+                manner.share = Eigen::VectorXd::Zero(c->primitives[0].reduction.components());
+                manner.captured.setZero(manner.share.size(), 1);
+                manner.components.setOnes(c->primitives[0].mixture.size(), 1);
+                manner.met.setZero(c->primitives[0].mixture.size(), 1);
+                manner.steps = {1}, manner.seconds = {1};
+              }), HasSubstr("meetings"));
   EXPECT_THAT(refusal([](GraphContents* c) { c->primitives[0].contact_map.setZero(7, c->primitives[0].reduction.components()); }), HasSubstr("contact_map"));
   EXPECT_THAT(refusal([](GraphContents* c) {
                 std::vector<int> active = c->layout.active_joints();
