@@ -10,10 +10,10 @@ constexpr double kHalfWidth_m = 0.08;  // of a walk: feet from the way of the ro
 constexpr double kShortestContact_s = 0.12;  // that counts, see ContactOptions
 
 // Whether a foot stays planted after the step's first key frame for long enough to count.
-bool StandsOn(const MotionPrimitive& primitive, int side, double duration_s) {
+bool StandsOn(const ContactProfile& contacts, int side, double duration_s) {
   for (Eigen::Index s = 0; s < kPhaseSamples; ++s) {
     const double phase = PhaseOfSample(static_cast<int>(s));
-    const double chance = std::max(primitive.contacts(kPlantedChance + 2 * side, s), primitive.contacts(kPlantedChance + 2 * side + 1, s));
+    const double chance = std::max(contacts(kPlantedChance + 2 * side, s), contacts(kPlantedChance + 2 * side + 1, s));
     if (phase > 0 && chance < 0.5) return phase * duration_s > kShortestContact_s;
   }
   return true;
@@ -32,7 +32,7 @@ void CountFirstContacts(const MotionGraph& graph, const WalkGuide& guide, Planne
     first->contacts[0] = first->contacts[1] = 1;
   } else {
     first->contacts[1 - lands] = 1;
-    first->contacts[lands] = guide.counts_rear_foot.value_or(StandsOn(primitive, lands, primitive.Shape(first->step.latent).duration_s)) ? 1 : 0;
+    first->contacts[lands] = guide.counts_rear_foot.value_or(StandsOn(primitive.Contacts(first->step.latent), lands, primitive.Shape(first->step.latent).duration_s)) ? 1 : 0;
   }
   if (lands >= 0) ++first->contacts[lands];
 }
