@@ -32,12 +32,10 @@ double LowerBall(const MotionClip& clip) {
   return Low(std::move(heights));
 }
 
-constexpr Foot kSides[2] = {Foot::kLeft, Foot::kRight};
-
 // Both legs; none where a skeleton has not two that can be bent.
 std::vector<LegIk> LegsOf(const Skeleton& skeleton) {
   try {
-    return {LegIk(skeleton, kSides[0]), LegIk(skeleton, kSides[1])};
+    return {LegIk(skeleton, Foot::kLeft), LegIk(skeleton, Foot::kRight)};
   } catch (const std::invalid_argument&) {
     return {};
   }
