@@ -2,8 +2,11 @@
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <xxhash.h>
+#include <zstd.h>
 
 #include <cmath>
+#include <cstring>
 
 #include "datasets/errors.h"
 #include "graph/graph_summary.h"
@@ -127,6 +130,50 @@ TEST(ModelIo, KeepsWhatLatentsTellOfTheFeet) {
   EXPECT_EQ(read_map(), primitive.contact_map);
   primitive.contact_map.resize(0, 0);  // as in files that are older still
   EXPECT_EQ(read_map().size(), 0);
+}
+
+// The file with one key of its description called otherwise, as a file has it that was written before there was such a key. Of the same length, so that all else stays in place.
+std::string WithKeyRenamed(const std::string& bytes, const std::string& key, const std::string& other) {
+  constexpr size_t kHeader = 32, kSize = 16, kChecked = 24;
+  std::uint64_t size = 0;
+  std::memcpy(&size, bytes.data() + kSize, sizeof size);
+  std::string payload(size, '\0');
+  EXPECT_EQ(ZSTD_decompress(payload.data(), payload.size(), bytes.data() + kHeader, bytes.size() - kHeader), size);
+  EXPECT_EQ(key.size(), other.size());
+  int renamed = 0;
+  const std::string from = "\"" + key + "\":", to = "\"" + other + "\":";
+  for (size_t at = payload.find(from); at != std::string::npos; at = payload.find(from, at + 1), ++renamed) payload.replace(at, to.size(), to);
+  EXPECT_GT(renamed, 0);
+  std::string compressed(ZSTD_compressBound(payload.size()), '\0');
+  compressed.resize(ZSTD_compress(compressed.data(), compressed.size(), payload.data(), payload.size(), 3));
+  const std::string checked = bytes.substr(0, kChecked) + compressed;
+  const std::uint64_t checksum = XXH3_64bits(checked.data(), checked.size());
+  std::string file = bytes.substr(0, kHeader) + compressed;
+  std::memcpy(file.data() + kChecked, &checksum, sizeof checksum);
+  return file;
+}
+
+TEST(ModelIo, FilesThatDoNotSayWhatWalksMetTakeItFromTheirFactors) {
+  const std::string bytes = SerialiseModel(*testing::SmallModel());
+  const auto older = ParseModel(WithKeyRenamed(bytes, "met", "tem"), "some.mgm");
+  int manners = 0;
+  for (int p = 0; p < older->primitive_count(); ++p) {
+    const MotionPrimitive& primitive = older->primitive(p);
+    const MannerModel& manner = primitive.manner;
+    if (manner.empty()) continue;
+    ++manners;
+    ASSERT_EQ(manner.met.rows(), primitive.mixture.size());
+    ASSERT_EQ(manner.met.cols(), manner.walks());
+    for (int walk = 0; walk < manner.walks(); ++walk) {
+      EXPECT_NEAR(manner.met.col(walk).sum(), 1, 1e-5);
+      for (int c = 1; c < primitive.mixture.size(); ++c) {
+        // In the proportion of what the mixture gives components, times the walk's factors.
+        const auto share = [&](int of) { return std::exp(primitive.mixture.Component(of).log_weight) * manner.components(of, walk); };
+        EXPECT_NEAR(manner.met(c, walk) * share(0), manner.met(0, walk) * share(c), 1e-5);
+      }
+    }
+  }
+  EXPECT_GT(manners, 0);
 }
 
 TEST(ModelIo, VersionZeroDoesNotExist) {
