@@ -11,7 +11,6 @@
 #include <cstdio>
 #include <ctime>
 #include <functional>
-#include <limits>
 
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/gaussian_estimator.h"
@@ -92,36 +91,50 @@ struct Method {
 
 using MakeMethod = std::function<Method(const std::string&, const RbfOptions&)>;
 
-struct Setting {
-  std::string name;
-  RbfOptions options;
+std::string NameOf(const RbfOptions& with) {
+  char name[80];
+  if (with.reduction.kind == ReductionKind::kLle) std::snprintf(name, sizeof name, "LLE, %d neighbours, %g", with.reduction.neighbours, with.reduction.regularisation);
+  else std::snprintf(name, sizeof name, "PCA, ridge %g, width %.3g", with.map.ridge, with.map.width);
+  return name;
+}
+
+// A value that is tuned, and the least and greatest that are tried.
+struct Knob {
+  std::function<double(const RbfOptions&)> get;
+  std::function<void(RbfOptions*, double)> set;
+  double factor, least, greatest;
 };
 
-// What one reduction is tried with in a round; the second round is about the best of the first. As many for each.
-std::vector<Setting> Settings(const RbfOptions& about, int round) {
-  std::vector<Setting> settings;
-  const auto add = [&](const std::function<void(RbfOptions*)>& change) {
-    Setting setting{{}, about};
-    change(&setting.options);
-    char name[80];
-    const RbfOptions& with = setting.options;
-    if (with.reduction.kind == ReductionKind::kLle) std::snprintf(name, sizeof name, "LLE, %d neighbours, %g", with.reduction.neighbours, with.reduction.regularisation);
-    else std::snprintf(name, sizeof name, "PCA, ridge %g, width %g", with.map.ridge, with.map.width);
-    setting.name = name;
-    settings.push_back(std::move(setting));
-  };
-  const bool lle = about.reduction.kind == ReductionKind::kLle;
-  if (round == 0) {
-    for (const double regularisation : {1e-3, 1e-2, 1e-1, 1.0}) {
-      if (lle) add([&](RbfOptions* options) { options->reduction.regularisation = regularisation; });
-      else add([&](RbfOptions* options) { options->map.ridge = 1e-2 * regularisation; });
-    }
-  } else if (lle) {
-    for (const int neighbours : {6, 24, 48}) add([&](RbfOptions* options) { options->reduction.neighbours = neighbours; });
-  } else {
-    for (const double width : {1.0, 3.0, 4.0}) add([&](RbfOptions* options) { options->map.width = width; });
+// Two for each reduction.
+std::vector<Knob> KnobsOf(ReductionKind kind) {
+  if (kind == ReductionKind::kLle) {
+    return {{[](const RbfOptions& o) { return o.reduction.regularisation; }, [](RbfOptions* o, double v) { o->reduction.regularisation = v; }, 10, 1e-6, 1e3},
+            {[](const RbfOptions& o) { return o.reduction.neighbours; }, [](RbfOptions* o, double v) { o->reduction.neighbours = static_cast<int>(v); }, 2, 6, 768}};
   }
-  return settings;
+  return {{[](const RbfOptions& o) { return o.map.ridge; }, [](RbfOptions* o, double v) { o->map.ridge = v; }, 10, 1e-9, 1e3},
+          {[](const RbfOptions& o) { return o.map.width; }, [](RbfOptions* o, double v) { o->map.width = v; }, 1.5, 0.2, 50}};
+}
+
+// The settings of least error that are found by changing one value at a time by its factor, for as long as that helps by a 500th: the best lies within what was tried, or at a limit of its knob.
+RbfOptions Tuned(RbfOptions best, const std::function<double(const RbfOptions&)>& error_of) {
+  constexpr double kGain = 0.998;  // less is not worth going on for
+  double least = error_of(best);
+  for (const Knob& knob : KnobsOf(best.reduction.kind)) {
+    for (const double factor : {knob.factor, 1 / knob.factor}) {
+      bool better = true, moved = false;
+      while (better) {
+        RbfOptions tried = best;
+        knob.set(&tried, knob.get(best) * factor);
+        const double value = knob.get(tried);
+        if (value < knob.least || value > knob.greatest) break;
+        const double error = error_of(tried);
+        better = error < kGain * least;
+        if (better) least = error, best = tried, moved = true;
+      }
+      if (moved) break;  // the other way leads back
+    }
+  }
+  return best;
 }
 
 // Tunes both reductions, with seven coordinates as published, on every 15th clip of the training set, left out of it, and tries the best of each on the test clips.
@@ -137,27 +150,21 @@ void CompareFairly(const Split& split, const RbfOptions& defaults, const MakeMet
   Add(base, split, [&] { return std::make_unique<NearestNeighbour>(base); }, &nearest);
   std::printf("error, cm, on %zu clips left out of the training set\n", inner.unseen.size());
   for (const ReductionKind kind : {ReductionKind::kLle, ReductionKind::kPca}) {
-    Setting best{{}, defaults};
-    best.options.reduction.kind = kind;
-    best.options.reduction.components = 7;
-    double least = std::numeric_limits<double>::infinity();
-    for (const int round : {0, 1}) {
-      const RbfOptions about = best.options;
-      for (const Setting& setting : Settings(about, round)) {
-        Row row;
-        Add(inner_base, inner, method(setting.name, setting.options).learn(inner_base), &row);
-        const double error = row.rms / static_cast<double>(row.frames);
-        std::printf("  %-30s %6.2f, jerk %.2f\n", setting.name.c_str(), error, row.jerk / static_cast<double>(row.frames));
-        std::fflush(stdout);
-        if (error >= least) continue;
-        least = error;
-        best = setting;
-      }
-    }
+    RbfOptions start = defaults;
+    start.reduction.kind = kind;
+    start.reduction.components = 7;
+    const RbfOptions best = Tuned(start, [&](const RbfOptions& tried) {
+      Row row;
+      Add(inner_base, inner, method(NameOf(tried), tried).learn(inner_base), &row);
+      const double error = row.rms / static_cast<double>(row.frames);
+      std::printf("  %-30s %6.2f, jerk %.2f\n", NameOf(tried).c_str(), error, row.jerk / static_cast<double>(row.frames));
+      std::fflush(stdout);
+      return error;
+    });
     Row row;
-    Add(base, split, method(best.name, best.options).learn(base), &row);
+    Add(base, split, method(NameOf(best), best).learn(base), &row);
     std::printf("the best on the test clips: RMS cm, p95, part of the nearest neighbour's, cm/s, jerk x, Eq. 7.1, deg, us/frame\n");
-    Print(best.name, row, nearest);
+    Print(NameOf(best), row, nearest);
   }
 }
 
