@@ -92,6 +92,38 @@ MotionClip AtEvaluationRate(const MotionClip& clip) {
   return at_rate ? clip : Resample(clip, kEvaluationRateHz);
 }
 
+std::vector<MotionClip> AtEvaluationRate(const std::vector<MotionClip>& clips, int jobs) {
+  std::vector<MotionClip> at_rate(clips.size());
+  ParallelFor(jobs, static_cast<int>(clips.size()), [&](int i) { at_rate[i] = AtEvaluationRate(clips[i]); });
+  return at_rate;
+}
+
+std::uint64_t CapturedSeed(const WindowClassifierOptions& options, int clip) { return Mixed(options.seed, static_cast<std::uint64_t>(clip)); }
+std::uint64_t HalvingSeed(const WindowClassifierOptions& options, int halving) {
+  return Mixed(options.seed, 1000003ull + static_cast<std::uint64_t>(halving));
+}
+
+// Windows of synthesised clips in a random order, cut at random places to as many frames as each of `lengths`.
+Windows CutAlike(const std::vector<MotionClip>& drawn, const std::vector<int>& lengths, double noise_m, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  std::vector<int> order = Ascending(drawn.size());
+  Windows windows;
+  for (size_t k = 0; k < lengths.size(); ++k) {
+    if (k % order.size() == 0) Shuffle(&order, rng);
+    const MotionClip& clip = drawn[order[k % order.size()]];
+    const int length = std::min(lengths[k], clip.frame_count());
+    const int from = boost::random::uniform_int_distribution<int>(0, clip.frame_count() - length)(rng);
+    windows.push_back(NoisyPoseWindows(clip.Slice(from, length), noise_m, Mixed(seed, k)));
+  }
+  return windows;
+}
+
+std::vector<int> LengthsOf(const std::vector<int>& frames, const std::vector<int>& clips) {
+  std::vector<int> lengths;
+  for (const int i : clips) lengths.push_back(frames.at(i));
+  return lengths;
+}
+
 }  // namespace
 
 double AreaUnderCurve(const std::vector<double>& low, const std::vector<double>& high) {
@@ -171,18 +203,32 @@ Eigen::MatrixXd NoisyPoseWindows(const MotionClip& clip, double noise_m, std::ui
   return PoseWindows(motion);
 }
 
+double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured, const ClipHalves& halving,
+                       const WindowClassifierOptions& options) {
+  if (synthesised.empty()) throw std::invalid_argument("AreaAgainstHalf: no synthesised clip");
+  std::vector<int> lengths;
+  for (const int i : halving.first) lengths.push_back(AtEvaluationRate(captured.at(i)).frame_count());
+  Windows second(halving.second.size());
+  ParallelFor(options.jobs, static_cast<int>(second.size()), [&](int k) {
+    const int i = halving.second[k];
+    second[k] = NoisyPoseWindows(AtEvaluationRate(captured.at(i)), options.noise_m, CapturedSeed(options, i));
+  });
+  WindowClassifierOptions single = options;
+  single.seed = HalvingSeed(options, 0);
+  return CrossValidatedAuc(CutAlike(AtEvaluationRate(synthesised, options.jobs), lengths, options.noise_m, single.seed), second, single);
+}
+
 WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
                             const std::vector<ClipHalves>& halvings, const WindowClassifierOptions& options) {
   if (synthesised.empty()) throw std::invalid_argument("TellApart: no synthesised clip");
   if (halvings.empty()) throw std::invalid_argument("TellApart: no halving");
-  std::vector<MotionClip> drawn(synthesised.size());
-  ParallelFor(options.jobs, static_cast<int>(drawn.size()), [&](int i) { drawn[i] = AtEvaluationRate(synthesised[i]); });
+  const std::vector<MotionClip> drawn = AtEvaluationRate(synthesised, options.jobs);
   Windows of_captured(captured.size());
   std::vector<int> frames(captured.size());
   ParallelFor(options.jobs, static_cast<int>(captured.size()), [&](int i) {
     const MotionClip clip = AtEvaluationRate(captured[i]);
     frames[i] = clip.frame_count();
-    of_captured[i] = NoisyPoseWindows(clip, options.noise_m, Mixed(options.seed, static_cast<std::uint64_t>(i)));
+    of_captured[i] = NoisyPoseWindows(clip, options.noise_m, CapturedSeed(options, i));
   });
 
   const int count = static_cast<int>(halvings.size());
@@ -190,7 +236,7 @@ WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const st
   std::vector<Eigen::Index> sizes(halvings.size());
   ParallelFor(options.jobs, 2 * count, [&](int task) {
     const int h = task / 2;
-    const std::uint64_t seed = Mixed(options.seed, 1000003ull + static_cast<std::uint64_t>(h));
+    const std::uint64_t seed = HalvingSeed(options, h);
     WindowClassifierOptions single = options;
     single.jobs = 1;
     single.seed = seed;
@@ -201,15 +247,7 @@ WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const st
       for (const int i : a) first.push_back(of_captured.at(i));
       sizes[h] = std::min(CountWindows(first), CountWindows(second));
     } else {
-      std::mt19937_64 rng(seed);
-      std::vector<int> order = Ascending(drawn.size());
-      for (size_t k = 0; k < a.size(); ++k) {
-        if (k % order.size() == 0) Shuffle(&order, rng);
-        const MotionClip& clip = drawn[order[k % order.size()]];
-        const int length = std::min(frames.at(a[k]), clip.frame_count());
-        const int from = boost::random::uniform_int_distribution<int>(0, clip.frame_count() - length)(rng);
-        first.push_back(NoisyPoseWindows(clip.Slice(from, length), options.noise_m, Mixed(seed, k)));
-      }
+      first = CutAlike(drawn, LengthsOf(frames, a), options.noise_m, seed);
     }
     areas[task] = CrossValidatedAuc(first, second, single);
   });

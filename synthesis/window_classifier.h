@@ -52,6 +52,11 @@ struct WindowDistinction {
 /// Parts of the captured clips, as positions.
 using ClipHalves = std::pair<std::vector<int>, std::vector<int>>;
 
+/// How well synthesised clips are told from those of B, for one halving (A, B) of the captured clips: the first of the two comparisons that TellApart() makes.
+/// @throws std::invalid_argument as it does.
+double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured, const ClipHalves& halving,
+                       const WindowClassifierOptions& options = {});
+
 /// For every halving (A, B) of the captured clips two comparisons, alike in everything but the first set:
 ///   floor: A against B;
 ///   auc:   synthesised clips, cut to the lengths of A's clips one by one, against B.

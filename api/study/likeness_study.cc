@@ -1,7 +1,10 @@
 // Synthesised against captured clips as sets: Fréchet distance, diversity, classifier. METHODS section 6.
 
 #include <algorithm>
+#include <boost/random/uniform_int_distribution.hpp>
+#include <cmath>
 #include <cstdio>
+#include <random>
 
 #include "api/study/sample_sets.h"
 #include "api/study/sample_study.h"
@@ -44,6 +47,7 @@ struct StyleLikeness {
   std::optional<double> halves_distance;                      // of random halves of the captured clips, mean
   std::optional<double> half_frechet_ratio;                   // trained on one half, judged on the other
   std::optional<WindowDistinction> told, half_told;
+  std::optional<WindowDistinction> copies_told;               // clips of the learned half itself, judged on the other
   std::string note;
 };
 
@@ -81,43 +85,99 @@ void JudgeWhole(const std::vector<MotionClip>& synthesised, const std::vector<Mo
 // The two halves of the captured clips, and what models of each have synthesised.
 struct Halves {
   std::vector<MotionClip> synthesised[2], captured[2];
+
+  bool drawn() const { return !synthesised[0].empty() && !synthesised[1].empty(); }
 };
 
-// Fréchet distance of what a model of one half synthesises to the other half, both directions together, over the mean distance of random
-// halves: that of these two alone varies by a factor of three from one halving to the next. In the space of all captured windows.
-void JudgeHalves(const Halves& halves, bool classify, const StudyOptions& options, StyleLikeness* likeness) {
+// Fréchet distance of what a model of one half synthesises to the other half, mean of both ways, in the space of all captured windows.
+std::optional<double> HalfFrechet(const Halves& halves, int jobs) {
   std::vector<Eigen::MatrixXd> captured[2];
-  for (int h = 0; h < 2; ++h) captured[h] = WindowsOf(halves.captured[h], options.jobs);
-  if (captured[0].empty() || captured[1].empty()) return;
+  for (int h = 0; h < 2; ++h) captured[h] = WindowsOf(halves.captured[h], jobs);
+  if (captured[0].empty() || captured[1].empty() || !halves.drawn()) return std::nullopt;
   const Eigen::MatrixXd joined[2] = {JoinColumns(captured[0]), JoinColumns(captured[1])};
-  if (joined[0].cols() >= kFewestWindows && joined[1].cols() >= kFewestWindows && !halves.synthesised[0].empty() && !halves.synthesised[1].empty()) {
-    const WindowSpace space(JoinColumns({joined[0], joined[1]}));
-    const GaussianFit fits[2] = {FitGaussian(space.Project(joined[0])), FitGaussian(space.Project(joined[1]))};
-    double sum = 0;
-    for (int h = 0; h < 2; ++h) {
-      const Eigen::MatrixXd drawn = JoinColumns(WindowsOf(halves.synthesised[h], options.jobs));
-      sum += FrechetDistance(FitGaussian(space.Project(drawn)), fits[1 - h]) / 2;
-    }
-    if (likeness->halves_distance) likeness->half_frechet_ratio = sum / *likeness->halves_distance;
-  }
-  const int folds = FoldsFor(std::min(halves.captured[0].size(), halves.captured[1].size()));
-  if (!classify || folds == 0 || halves.synthesised[0].empty() || halves.synthesised[1].empty()) return;
-  std::vector<MotionClip> all = halves.captured[0];
-  all.insert(all.end(), halves.captured[1].begin(), halves.captured[1].end());
-  std::vector<int> first, second;
-  for (int i = 0; i < static_cast<int>(all.size()); ++i) (i < static_cast<int>(halves.captured[0].size()) ? first : second).push_back(i);
-  WindowDistinction mean;
+  if (joined[0].cols() < kFewestWindows || joined[1].cols() < kFewestWindows) return std::nullopt;
+  const WindowSpace space(JoinColumns({joined[0], joined[1]}));
+  const GaussianFit fits[2] = {FitGaussian(space.Project(joined[0])), FitGaussian(space.Project(joined[1]))};
+  double sum = 0;
   for (int h = 0; h < 2; ++h) {
-    const std::vector<ClipHalves> halving = {h == 0 ? ClipHalves{first, second} : ClipHalves{second, first}};
-    const WindowDistinction told = TellApart(halves.synthesised[h], all, halving, ClassifierOptions(options, 1, folds));
-    mean.auc += told.auc / 2;
-    mean.floor += told.floor / 2;
-    mean.windows += told.windows / 2;
+    const Eigen::MatrixXd drawn = JoinColumns(WindowsOf(halves.synthesised[h], jobs));
+    sum += FrechetDistance(FitGaussian(space.Project(drawn)), fits[1 - h]) / 2;
   }
-  // The floor of these two halves alone may lie below chance: with few clips, what sets one half apart in a fold is what it lacks in the others.
-  if (likeness->told) mean.floor = likeness->told->floor;
+  return sum;
+}
+
+// As many of the clips as are synthesised, each drawn from all of them: what a model that knew its half by heart would make.
+std::vector<MotionClip> Copies(const std::vector<MotionClip>& clips, size_t count, std::uint64_t seed) {
+  std::mt19937_64 rng(seed);
+  boost::random::uniform_int_distribution<size_t> any(0, clips.size() - 1);
+  std::vector<MotionClip> copies;
+  for (size_t i = 0; i < count; ++i) copies.push_back(clips[any(rng)]);
+  return copies;
+}
+
+// Mean of areas, a value a halving, over a floor.
+WindowDistinction AboveFloor(const std::vector<double>& areas, const WindowDistinction& floor) {
+  WindowDistinction mean;
+  const auto count = static_cast<double>(areas.size());
+  for (const double area : areas) mean.auc += area / count;
+  mean.floor = floor.floor;
   mean.difference = mean.auc - mean.floor;
-  likeness->half_told = mean;
+  mean.windows = floor.windows;
+  double squares = 0;
+  for (const double area : areas) squares += (area - mean.auc) * (area - mean.auc);
+  if (areas.size() > 1) mean.standard_error = std::sqrt(squares / (count - 1) / count);
+  return mean;
+}
+
+// How well what models of halves synthesise, and copies of these halves' own clips, are told from the other halves; both ways. The floor is that of
+// the random halves of the model of all clips: these few alone say little, and with few clips what sets one half apart in a fold is what it lacks in the others.
+void TellHalves(const std::vector<Halves>& halvings, const StudyOptions& options, StyleLikeness* likeness) {
+  struct Task {
+    std::vector<MotionClip> drawn, all;
+    ClipHalves halving;
+    WindowClassifierOptions classifier;
+  };
+  std::vector<Task> tasks;  // a halving: model and copies of the first half, model and copies of the second
+  for (size_t n = 0; n < halvings.size(); ++n) {
+    const Halves& halves = halvings[n];
+    const int folds = FoldsFor(std::min(halves.captured[0].size(), halves.captured[1].size()));
+    if (folds == 0 || !halves.drawn()) return;
+    std::vector<MotionClip> all = halves.captured[0];
+    all.insert(all.end(), halves.captured[1].begin(), halves.captured[1].end());
+    std::vector<int> sides[2];
+    for (int i = 0; i < static_cast<int>(all.size()); ++i) sides[i < static_cast<int>(halves.captured[0].size()) ? 0 : 1].push_back(i);
+    WindowClassifierOptions classifier = ClassifierOptions(options, 1, folds);
+    classifier.seed += n;
+    classifier.jobs = 1;
+    for (int h = 0; h < 2; ++h) {
+      tasks.push_back({halves.synthesised[h], all, {sides[h], sides[1 - h]}, classifier});
+      tasks.push_back({Copies(halves.captured[h], halves.synthesised[h].size(), 2 * classifier.seed + static_cast<std::uint64_t>(h)), all,
+                       {sides[h], sides[1 - h]}, classifier});
+    }
+  }
+  std::vector<double> areas(tasks.size());
+  ParallelFor(options.jobs, static_cast<int>(tasks.size()), [&](int i) {
+    const Task& task = tasks[static_cast<size_t>(i)];
+    areas[static_cast<size_t>(i)] = AreaAgainstHalf(task.drawn, task.all, task.halving, task.classifier);
+  });
+  std::vector<double> of_models, of_copies;
+  for (size_t i = 0; i < areas.size(); i += 4) {
+    of_models.push_back((areas[i] + areas[i + 2]) / 2);
+    of_copies.push_back((areas[i + 1] + areas[i + 3]) / 2);
+  }
+  likeness->half_told = AboveFloor(of_models, *likeness->told);
+  likeness->copies_told = AboveFloor(of_copies, *likeness->told);
+}
+
+// Mean over the halvings; distances over that between random halves, as these few vary by a factor of three from one to the next.
+void JudgeHalves(const std::vector<Halves>& halvings, bool classify, const StudyOptions& options, StyleLikeness* likeness) {
+  double sum = 0;
+  int measured = 0;
+  for (const Halves& halves : halvings) {
+    if (const std::optional<double> distance = HalfFrechet(halves, options.jobs)) sum += *distance, ++measured;
+  }
+  if (measured > 0 && likeness->halves_distance) likeness->half_frechet_ratio = sum / measured / *likeness->halves_distance;
+  if (classify && likeness->told && !halvings.empty()) TellHalves(halvings, options, likeness);
 }
 
 Json ToldJson(const std::optional<WindowDistinction>& told) {
@@ -129,7 +189,8 @@ Json LikenessJson(const StyleLikeness& likeness) {
   Json json = {{"frechet_ratio", OrNull(likeness.frechet_ratio)},
                {"diversity_ratio", OrNull(likeness.diversity_ratio)},
                {"classifier", ToldJson(likeness.told)},
-               {"trained_on_one_half", {{"frechet_ratio", OrNull(likeness.half_frechet_ratio)}, {"classifier", ToldJson(likeness.half_told)}}}};
+               {"trained_on_one_half", {{"frechet_ratio", OrNull(likeness.half_frechet_ratio)}, {"classifier", ToldJson(likeness.half_told)}}},
+               {"copies_of_one_half", {{"classifier", ToldJson(likeness.copies_told)}}}};
   if (!likeness.note.empty()) json["note"] = likeness.note;
   return json;
 }
@@ -151,7 +212,7 @@ Extreme WorstOf(const ByName& styles, Get get, bool greatest = true) {
   return worst;
 }
 
-std::optional<double> AboveFloor(const std::optional<WindowDistinction>& told) {
+std::optional<double> DifferenceOf(const std::optional<WindowDistinction>& told) {
   return told ? std::optional(told->difference) : std::nullopt;
 }
 
@@ -189,18 +250,31 @@ void AddFigures(const Cut& cut, const StyleLikeness& overall, const ByName& styl
       "all styles together; over the mean distance of random halves");
   worst = WorstOf(styles, [](const StyleLikeness& s) { return s.half_frechet_ratio; });
   add("the same, worst style", worst.value, std::nullopt, 1.6, named(worst, ""));
-  worst = WorstOf(styles, [](const StyleLikeness& s) { return AboveFloor(s.told); });
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.told); });
   add("classifier's area under the curve above its floor, worst style", worst.value, std::nullopt, 0.05,
       named(worst, error_of(worst.style, &StyleLikeness::told)));
-  worst = WorstOf(styles, [](const StyleLikeness& s) { return AboveFloor(s.half_told); });
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.half_told); });
   add("the same, trained on one half and judged on the other, worst style", worst.value, std::nullopt, 0.10,
       named(worst, error_of(worst.style, &StyleLikeness::half_told)));
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.copies_told); });
+  add("the same for captured clips of the learned half, drawn with repetition, worst style", worst.value, std::nullopt, std::nullopt,
+      named(worst, error_of(worst.style, &StyleLikeness::copies_told)));
+  worst = WorstOf(styles, [](const StyleLikeness& s) {
+    return s.half_told && s.copies_told ? std::optional(s.half_told->auc - s.copies_told->auc) : std::nullopt;
+  });
+  add("area of models of one half above that of these captured clips, worst style", worst.value, std::nullopt, std::nullopt, named(worst, ""));
   const auto diversity = [](const StyleLikeness& s) { return s.diversity_ratio; };
   worst = WorstOf(styles, diversity, false);
   add("diversity of one style's clips / captured, least", worst.value, 0.9, 1.1, named(worst, ""));
   worst = WorstOf(styles, diversity, true);
   add("diversity of one style's clips / captured, greatest", worst.value, 0.9, 1.1, named(worst, ""));
 }
+
+// Halves of the clips, and what a model of each has synthesised.
+struct LearnedHalves {
+  StudyContext::Halves clips;
+  StyledClips synthesised[2];
+};
 
 ChartSeries Bars(const std::string& name) { return {.name = name, .x = {}, .y = {}, .form = Form::kBars}; }
 
@@ -211,7 +285,8 @@ void AddCharts(const Cut& cut, const StyleLikeness& overall, const ByName& style
   frechet.marks = {{"captured halves", 1}};
   Chart told{.title = "Classifier, " + cut.name, .x_label = "style", .y_label = "area under the curve", .better = "lower"};
   told.caption = "How well a random forest tells synthesised from captured windows. Its floor is how well it tells captured from captured; 0.5 is chance.";
-  told.series = {Bars("trained on all"), Bars("trained on one half, judged on the other"), Bars("floor")};
+  told.series = {Bars("trained on all"), Bars("trained on one half, judged on the other"),
+                 Bars("that half's own clips, drawn with repetition"), Bars("floor")};
   told.marks = {{"chance", 0.5}};
   Chart diversity{.title = "Diversity, " + cut.name, .x_label = "style", .y_label = "synthesised / captured"};
   diversity.caption = "Mean distance between windows of a set, synthesised over captured: 1 is as diverse as captured.";
@@ -229,7 +304,8 @@ void AddCharts(const Cut& cut, const StyleLikeness& overall, const ByName& style
     put(likeness.half_frechet_ratio, i, &frechet.series[1]);
     put(area(likeness.told), i, &told.series[0]);
     put(area(likeness.half_told), i, &told.series[1]);
-    put(floor(likeness.told), i, &told.series[2]);
+    put(area(likeness.copies_told), i, &told.series[2]);
+    put(floor(likeness.told), i, &told.series[3]);
     put(likeness.diversity_ratio, i, &diversity.series[0]);
   }
   if (styles.size() > 1) {
@@ -246,15 +322,19 @@ StudySection StudyLikeness(StudyContext& context) {
   const StudyOptions& options = context.options();
   const std::vector<MotionClip> captured = AtEvaluationRate(context.clips(StudyData::kClean), options.jobs);
   StudySection section{.id = "likeness", .title = "Likeness of synthesised and captured clips"};
+  const int halvings = options.quick ? 1 : 2;  // that models are learned from
   section.text =
       "Clips are cut into windows of half a second: 14 joints relative to the hips, and the hips' speed. The Fréchet distance compares mean and "
       "covariance of two sets of windows in the 32 directions in which captured ones vary most; it is given over the distance between halves of the "
       "captured clips. The classifier is a random forest of 200 trees, cross-validated by clip, on windows with 1 mm of noise on every joint. How "
       "well it tells synthesised from captured windows is given with its floor: how well it tells one half of the captured clips from the other, "
       "with as many windows from clips of the same lengths.\n\nEverything is done twice: with a model of all clips, and with models of one half of "
-      "the clips, each judged on the half that it has not seen (mean of both ways). Their distances and floors are those of "
-      "random halves, the same as for the model of all clips, as one halving alone says little: not of the very halves that were learned "
-      "from.\n\nClips are taken as they are, and, where they are long enough, "
+      "the clips, each judged on the half that it has not seen (mean of both ways" +
+      (halvings > 1 ? ", and of " + std::to_string(halvings) + " such halvings" : std::string()) +
+      "). Their distances and floors are those of "
+      "random halves, the same as for the model of all clips, as few halvings alone say little: not of the very halves that were learned from. Whatever a model draws from half of the clips comes from the same few recordings over and over, so that a classifier can learn "
+      "these from some of its clips and know them again in others; captured clips of the floor are each there once. How much that makes is "
+      "shown by the half's own captured clips, drawn with repetition in place of the model's.\n\nClips are taken as they are, and, where they are long enough, "
       "without their first and last second: recordings set off and slow down there, and synthesised clips are cut out of a walk.";
   const int count = options.quick ? 8 : 100;
   const auto tell = [&](const std::string& stage, double fraction) {
@@ -263,18 +343,21 @@ StudySection StudyLikeness(StudyContext& context) {
   std::vector<std::string> missing;
   tell("drawing clips", 0);
   const StyledClips synthesised = DrawStyles(*context.Model(StudyData::kClean), {.clips = count, .seed = options.seed, .jobs = options.jobs}, &missing);
-  StyledClips of_half[2];
+  std::vector<LearnedHalves> learned;
   std::string no_halves;
-  for (int h = 0; h < 2 && no_halves.empty(); ++h) {
-    tell("learning from half of the clips", 0.05 + 0.1 * h);
+  for (int n = 0; n < halvings && no_halves.empty(); ++n) {
+    LearnedHalves halves{context.Halving(n), {}};
+    tell("learning from half of the clips", 0.2 * n / halvings);
     try {
-      of_half[h] = DrawStyles(*context.Learn(StudyData::kClean, context.half(h)), {.clips = count, .seed = options.seed, .jobs = options.jobs});
+      for (int h = 0; h < 2; ++h)
+        halves.synthesised[h] = DrawStyles(*context.Learn(StudyData::kClean, halves.clips[static_cast<size_t>(h)]), {.clips = count, .seed = options.seed, .jobs = options.jobs});
+      learned.push_back(std::move(halves));
     } catch (const std::runtime_error& unfit) {  // half of few clips can be too few to learn from
       no_halves = unfit.what();
     }
   }
   if (!no_halves.empty()) {
-    of_half[0].clear(), of_half[1].clear();
+    learned.clear();
     section.text += "\n\nHalf of these clips are too few to learn from: " + no_halves;
   }
   for (const std::string& style : missing) section.text += "\n\nThe model cannot walk in style " + StyleLabel(style) + ": too few steps.";
@@ -289,8 +372,10 @@ StudySection StudyLikeness(StudyContext& context) {
       continue;
     }
     const StyledClips by_style = ByStyle(clips);
-    const StyledClips by_half[2] = {ByStyle(CutClips(Chosen(captured, context.half(0)), cut)),
-                                    ByStyle(CutClips(Chosen(captured, context.half(1)), cut))};
+    std::vector<std::array<StyledClips, 2>> by_half;  // of every halving
+    for (const LearnedHalves& halves : learned) {
+      by_half.push_back({ByStyle(CutClips(Chosen(captured, halves.clips[0]), cut)), ByStyle(CutClips(Chosen(captured, halves.clips[1]), cut))});
+    }
     const auto of = [](const StyledClips& set, const std::string& style) {
       const auto at = set.find(style);
       return at == set.end() ? std::vector<MotionClip>() : at->second;
@@ -301,7 +386,12 @@ StudySection StudyLikeness(StudyContext& context) {
       StyleLikeness likeness;
       const std::vector<MotionClip> own = of(by_style, style);
       JudgeWhole(drawn, own, true, cut, options, &likeness);
-      JudgeHalves({{of(of_half[0], style), of(of_half[1], style)}, {of(by_half[0], style), of(by_half[1], style)}}, true, options, &likeness);
+      std::vector<Halves> of_style;
+      for (size_t n = 0; n < learned.size(); ++n) {
+        const auto& [first, second] = learned[n].synthesised;
+        of_style.push_back({{of(first, style), of(second, style)}, {of(by_half[n][0], style), of(by_half[n][1], style)}});
+      }
+      JudgeHalves(of_style, true, options, &likeness);
       section.data[cut.id]["styles"][StyleLabel(style)] = LikenessJson(likeness);
       styles.emplace_back(style, likeness);
     }
@@ -310,8 +400,12 @@ StudySection StudyLikeness(StudyContext& context) {
       overall = styles.front().second;
     } else {
       JudgeWhole(InProportion(synthesised, by_style), clips, false, cut, options, &overall);
-      JudgeHalves({{InProportion(of_half[0], by_half[0]), InProportion(of_half[1], by_half[1])}, {Joined(by_half[0]), Joined(by_half[1])}}, false,
-                  options, &overall);
+      std::vector<Halves> of_all;
+      for (size_t n = 0; n < learned.size(); ++n) {
+        const auto& [first, second] = learned[n].synthesised;
+        of_all.push_back({{InProportion(first, by_half[n][0]), InProportion(second, by_half[n][1])}, {Joined(by_half[n][0]), Joined(by_half[n][1])}});
+      }
+      JudgeHalves(of_all, false, options, &overall);
     }
     section.data[cut.id]["all_styles_together"] = LikenessJson(overall);
     AddFigures(cut, overall, styles, &section);

@@ -76,7 +76,7 @@ int LeadingComponents(const Eigen::VectorXd& variance) {
 StudySection StudyLongWalks(StudyContext& context) {
   const StudyOptions& options = context.options();
   const std::shared_ptr<const MotionGraph> graph = context.Model(StudyData::kClean);
-  const int walks = options.quick ? 5 : 1000;
+  const int walks = options.quick ? 5 : 2000;
   StudySection section{.id = "long_walks", .title = "Walks of " + std::to_string(kSteps) + " steps"};
   section.text = "A walk that is drawn step after step may drift off, or grow wilder or tamer, without any single step being wrong. Here " +
                  std::to_string(walks) + " walks of " + std::to_string(kSteps) + " steps are drawn in every style, the first " +

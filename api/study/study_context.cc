@@ -17,13 +17,14 @@ namespace {
 
 // Positions in random order, then cut in the middle. An odd one goes to either half in turn, so that neither is the larger by as many
 // clips as there are styles.
-void SplitStyle(std::vector<int> positions, bool odd_to_first, std::mt19937_64& rng, std::vector<int> halves[2]) {
+void SplitStyle(std::vector<int> positions, bool odd_to_first, std::mt19937_64& rng, StudyContext::Halves* halves) {
   for (size_t i = positions.size(); i > 1; --i) {
     std::swap(positions[i - 1], positions[boost::random::uniform_int_distribution<size_t>(0, i - 1)(rng)]);
   }
   const size_t middle = (positions.size() + (odd_to_first ? 1 : 0)) / 2;
-  halves[0].insert(halves[0].end(), positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(middle));
-  halves[1].insert(halves[1].end(), positions.begin() + static_cast<std::ptrdiff_t>(middle), positions.end());
+  auto& [first, second] = *halves;
+  first.insert(first.end(), positions.begin(), positions.begin() + static_cast<std::ptrdiff_t>(middle));
+  second.insert(second.end(), positions.begin() + static_cast<std::ptrdiff_t>(middle), positions.end());
 }
 
 }  // namespace
@@ -54,16 +55,22 @@ StudyContext::StudyContext(std::vector<LoadedClip> clips, LabelledClips labels, 
     });
   }
 
-  std::mt19937_64 rng(options_.seed);
+  halves_ = Halving(0);
+}
+
+StudyContext::Halves StudyContext::Halving(int number) const {
+  std::mt19937_64 rng(options_.seed + static_cast<std::uint64_t>(number));
+  Halves halves;
   bool odd_to_first = true;
   for (const std::string& style : styles_) {
     std::vector<int> of_style;
-    for (const int i : all)
-      if (loaded_[i].clip.style == style) of_style.push_back(i);
-    SplitStyle(of_style, odd_to_first, rng, halves_);
+    for (size_t i = 0; i < loaded_.size(); ++i)
+      if (loaded_[i].clip.style == style) of_style.push_back(static_cast<int>(i));
+    SplitStyle(of_style, odd_to_first, rng, &halves);
     if (of_style.size() % 2 == 1) odd_to_first = !odd_to_first;
   }
-  for (std::vector<int>& half : halves_) std::sort(half.begin(), half.end());
+  for (std::vector<int>& half : halves) std::sort(half.begin(), half.end());
+  return halves;
 }
 
 std::vector<MotionClip> StudyContext::Captured(StudyData data, const std::vector<int>& which) const {

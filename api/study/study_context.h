@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -62,8 +63,12 @@ class StudyContext {
   /// learned from them.
   std::shared_ptr<const MotionGraph> Learn(StudyData data, const std::vector<int>& which, const TrainingOptions& options = {});
 
-  /// Clip positions in two halves, style by style, drawn by the seed: the same split for every part of the study.
-  const std::vector<int>& half(int which) const { return halves_[which]; }
+  /// Clip positions in two halves, each ascending.
+  using Halves = std::array<std::vector<int>, 2>;
+  /// Style by style, drawn by the seed: the same split for every part of the study.
+  const std::vector<int>& half(int which) const { return halves_[static_cast<size_t>(which)]; }
+  /// More such splits, by number; number 0 is that one.
+  Halves Halving(int number) const;
 
  private:
   std::vector<MotionClip> Captured(StudyData data, const std::vector<int>& which) const;  // on the floor they were captured on
@@ -73,7 +78,7 @@ class StudyContext {
   std::vector<LoadedClip> loaded_;
   std::vector<MotionClip> clips_[2];
   std::vector<std::string> styles_;
-  std::vector<int> halves_[2];
+  Halves halves_;
   std::shared_ptr<const MotionGraph> models_[2];
 };
 

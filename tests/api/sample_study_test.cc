@@ -5,7 +5,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "api/study/sample_sets.h"
 #include "tests/support/small_study.h"
@@ -60,6 +62,44 @@ TEST(SampleStudy, JudgesLikenessOnAllAndOnTheOtherHalf) {
   double greatest = 0;
   for (const auto& [name, style] : styles.items()) greatest = std::max(greatest, style.at("frechet_ratio").get<double>());
   EXPECT_DOUBLE_EQ(*worst->value, greatest);
+  // Models of halves beside copies of these halves' clips.
+  double worst_above = -1;
+  for (const auto& [name, style] : styles.items()) {
+    const auto& model = style.at("trained_on_one_half").at("classifier");
+    const auto& copies = style.at("copies_of_one_half").at("classifier");
+    ASSERT_FALSE(model.is_null() || copies.is_null()) << name;
+    for (const auto& told : {model, copies}) {
+      EXPECT_EQ(told.at("floor"), style.at("classifier").at("floor"));
+      EXPECT_DOUBLE_EQ(told.at("above_floor").get<double>(), told.at("auc").get<double>() - told.at("floor").get<double>());
+    }
+    worst_above = std::max(worst_above, model.at("auc").get<double>() - copies.at("auc").get<double>());
+  }
+  const StudyFigure* above = Find(section, "above that of these captured clips");
+  ASSERT_NE(above, nullptr);
+  ASSERT_TRUE(above->value.has_value());
+  EXPECT_DOUBLE_EQ(*above->value, worst_above);
+}
+
+TEST(StudyContext, HalvesEveryStyleAnewByNumber) {
+  const StudyContext context = SmallContext(12);
+  const StudyContext::Halves first = context.Halving(0), second = context.Halving(1);
+  EXPECT_EQ(first[0], context.half(0));
+  EXPECT_EQ(first[1], context.half(1));
+  EXPECT_NE(first, second);
+  for (const StudyContext::Halves& halves : {first, second}) {
+    std::vector<int> all = halves[0];
+    all.insert(all.end(), halves[1].begin(), halves[1].end());
+    std::sort(all.begin(), all.end());
+    std::vector<int> every(12);
+    std::iota(every.begin(), every.end(), 0);
+    EXPECT_EQ(all, every);
+    for (const std::string& style : context.styles()) {
+      const auto of_style = [&](const std::vector<int>& half) {
+        return std::count_if(half.begin(), half.end(), [&](int i) { return context.loaded()[static_cast<size_t>(i)].clip.style == style; });
+      };
+      EXPECT_LE(std::abs(of_style(halves[0]) - of_style(halves[1])), 1);
+    }
+  }
 }
 
 TEST(SampleStudy, LongWalksNameTheWorstComponent) {

@@ -142,5 +142,31 @@ TEST(TellApart, TellsANoisySetAndNotAHalf) {
   EXPECT_THROW(TellApart(same, {captured.begin(), captured.begin() + 8}, options), std::invalid_argument);
 }
 
+TEST(AreaAgainstHalf, IsTheFirstComparisonOfTellApart) {
+  const auto captured = testing::GaitClips(1, 12, [](SyntheticGaitOptions&) {});
+  const auto drawn = testing::GaitClips(101, 9, [](SyntheticGaitOptions& options) { options.speed_m_s += 0.1; });
+  const ClipHalves halving = {{0, 2, 4, 6, 8, 10}, {1, 3, 5, 7, 9, 11}};
+  WindowClassifierOptions options{.trees = 30, .jobs = 2};
+  const double area = AreaAgainstHalf(drawn, captured, halving, options);
+  EXPECT_EQ(area, TellApart(drawn, captured, std::vector<ClipHalves>{halving}, options).auc);
+  options.jobs = 1;
+  EXPECT_EQ(area, AreaAgainstHalf(drawn, captured, halving, options));
+  EXPECT_THROW(AreaAgainstHalf({}, captured, halving, options), std::invalid_argument);
+}
+
+// What makes a model of one half easier to tell from the other half than captured clips are: it draws from the same few clips over and over.
+TEST(AreaAgainstHalf, KnowsAFewClipsAgainThatAreDrawnOverAndOver) {
+  // Speeds between which nothing lies: no clip of the one half is like one of the other.
+  std::vector<MotionClip> captured, few;
+  for (int i = 0; i < 20; ++i)
+    captured.push_back(testing::GaitClips(static_cast<unsigned>(1 + i), 1, [&](SyntheticGaitOptions& options) { options.speed_m_s = 0.8 + 0.03 * i; }).front());
+  ClipHalves halving;
+  for (int i = 0; i < 20; ++i) (i % 2 == 0 ? halving.first : halving.second).push_back(i);
+  for (int i = 0; i < 20; ++i) few.push_back(captured[i % 2 == 0 ? 4 : 12]);
+  const WindowClassifierOptions options{.trees = 60, .jobs = 2};
+  const WindowDistinction once = TellApart(captured, captured, std::vector<ClipHalves>{halving}, options);
+  EXPECT_GT(AreaAgainstHalf(few, captured, halving, options), once.floor + 0.15);
+}
+
 }  // namespace
 }  // namespace morphograph
