@@ -1,9 +1,10 @@
 // Synthesised against captured clips as sets: Fréchet distance, diversity, classifier. METHODS section 6.
 
 #include <algorithm>
+#include <array>
 #include <boost/random/uniform_int_distribution.hpp>
-#include <cmath>
 #include <cstdio>
+#include <numeric>
 #include <random>
 
 #include "api/study/sample_sets.h"
@@ -24,6 +25,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Form = ChartSeries::Form;
 
+constexpr std::uint64_t kTellingStream = 0x9e3779b97f4a7c15ull;  // seeds of halvings lie so far apart
 constexpr Eigen::Index kFewestWindows = 64;  // two a direction of the WindowSpace
 
 // Windows of each clip.
@@ -42,12 +44,21 @@ struct Cut {
   int halvings = 1;
 };
 
+// How well clips made of one half of the captured ones are told from the other half.
+struct HalfDistinction {
+  std::vector<double> areas;  // under the curve, a value a halving; mean of both ways
+  double floor = 0;
+
+  double auc() const { return std::accumulate(areas.begin(), areas.end(), 0.0) / static_cast<double>(areas.size()); }
+  double difference() const { return auc() - floor; }
+};
+
 struct StyleLikeness {
   std::optional<double> frechet_ratio, diversity_ratio;       // trained on all
   std::optional<double> halves_distance;                      // of random halves of the captured clips, mean
   std::optional<double> half_frechet_ratio;                   // trained on one half, judged on the other
-  std::optional<WindowDistinction> told, half_told;
-  std::optional<WindowDistinction> copies_told;               // clips of the learned half itself, judged on the other
+  std::optional<WindowDistinction> told;                      // trained on all
+  std::optional<HalfDistinction> half_told, copies_told;      // clips of models of one half, and of that half itself, judged on the other
   std::string note;
 };
 
@@ -115,74 +126,66 @@ std::vector<MotionClip> Copies(const std::vector<MotionClip>& clips, size_t coun
   return copies;
 }
 
-// Mean of areas, a value a halving, over a floor.
-WindowDistinction AboveFloor(const std::vector<double>& areas, const WindowDistinction& floor) {
-  WindowDistinction mean;
-  const auto count = static_cast<double>(areas.size());
-  for (const double area : areas) mean.auc += area / count;
-  mean.floor = floor.floor;
-  mean.difference = mean.auc - mean.floor;
-  mean.windows = floor.windows;
-  double squares = 0;
-  for (const double area : areas) squares += (area - mean.auc) * (area - mean.auc);
-  if (areas.size() > 1) mean.standard_error = std::sqrt(squares / (count - 1) / count);
-  return mean;
-}
-
 // How well what models of halves synthesise, and copies of these halves' own clips, are told from the other halves; both ways. The floor is that of
 // the random halves of the model of all clips: these few alone say little, and with few clips what sets one half apart in a fold is what it lacks in the others.
-void TellHalves(const std::vector<Halves>& halvings, const StudyOptions& options, StyleLikeness* likeness) {
+void TellHalves(const std::vector<Halves>& halvings, int style, const StudyOptions& options, StyleLikeness* likeness) {
   struct Task {
-    std::vector<MotionClip> drawn, all;
+    const std::vector<MotionClip>* all;
+    std::vector<MotionClip> drawn;
     ClipHalves halving;
     WindowClassifierOptions classifier;
   };
+  std::vector<std::vector<MotionClip>> captured(halvings.size());
   std::vector<Task> tasks;  // a halving: model and copies of the first half, model and copies of the second
   for (size_t n = 0; n < halvings.size(); ++n) {
     const Halves& halves = halvings[n];
     const int folds = FoldsFor(std::min(halves.captured[0].size(), halves.captured[1].size()));
-    if (folds == 0 || !halves.drawn()) return;
-    std::vector<MotionClip> all = halves.captured[0];
-    all.insert(all.end(), halves.captured[1].begin(), halves.captured[1].end());
+    if (folds == 0 || !halves.drawn()) continue;
+    captured[n] = halves.captured[0];
+    captured[n].insert(captured[n].end(), halves.captured[1].begin(), halves.captured[1].end());
     std::vector<int> sides[2];
-    for (int i = 0; i < static_cast<int>(all.size()); ++i) sides[i < static_cast<int>(halves.captured[0].size()) ? 0 : 1].push_back(i);
+    for (size_t i = 0; i < captured[n].size(); ++i) sides[i < halves.captured[0].size() ? 0 : 1].push_back(static_cast<int>(i));
     WindowClassifierOptions classifier = ClassifierOptions(options, 1, folds);
-    classifier.seed += n;
+    classifier.seed += kTellingStream * (2 * n + 1);
     classifier.jobs = 1;
     for (int h = 0; h < 2; ++h) {
-      tasks.push_back({halves.synthesised[h], all, {sides[h], sides[1 - h]}, classifier});
-      tasks.push_back({Copies(halves.captured[h], halves.synthesised[h].size(), 2 * classifier.seed + static_cast<std::uint64_t>(h)), all,
-                       {sides[h], sides[1 - h]}, classifier});
+      const ClipHalves halving{sides[h], sides[1 - h]};
+      tasks.push_back({&captured[n], halves.synthesised[h], halving, classifier});
+      tasks.push_back({&captured[n], Copies(halves.captured[h], halves.synthesised[h].size(), classifier.seed + static_cast<std::uint64_t>(2 * style + h)), halving, classifier});
     }
   }
+  if (tasks.empty()) return;
   std::vector<double> areas(tasks.size());
   ParallelFor(options.jobs, static_cast<int>(tasks.size()), [&](int i) {
     const Task& task = tasks[static_cast<size_t>(i)];
-    areas[static_cast<size_t>(i)] = AreaAgainstHalf(task.drawn, task.all, task.halving, task.classifier);
+    areas[static_cast<size_t>(i)] = AreaAgainstHalf(task.drawn, *task.all, task.halving, task.classifier);
   });
-  std::vector<double> of_models, of_copies;
+  likeness->half_told = likeness->copies_told = HalfDistinction{{}, likeness->told->floor};
   for (size_t i = 0; i < areas.size(); i += 4) {
-    of_models.push_back((areas[i] + areas[i + 2]) / 2);
-    of_copies.push_back((areas[i + 1] + areas[i + 3]) / 2);
+    likeness->half_told->areas.push_back((areas[i] + areas[i + 2]) / 2);
+    likeness->copies_told->areas.push_back((areas[i + 1] + areas[i + 3]) / 2);
   }
-  likeness->half_told = AboveFloor(of_models, *likeness->told);
-  likeness->copies_told = AboveFloor(of_copies, *likeness->told);
 }
 
-// Mean over the halvings; distances over that between random halves, as these few vary by a factor of three from one to the next.
-void JudgeHalves(const std::vector<Halves>& halvings, bool classify, const StudyOptions& options, StyleLikeness* likeness) {
+// Mean over the halvings; distances over that between random halves, as these few vary by a factor of three from one to the next. Told apart where it is a style's, by its number.
+void JudgeHalves(const std::vector<Halves>& halvings, std::optional<int> style, const StudyOptions& options, StyleLikeness* likeness) {
   double sum = 0;
   int measured = 0;
   for (const Halves& halves : halvings) {
     if (const std::optional<double> distance = HalfFrechet(halves, options.jobs)) sum += *distance, ++measured;
   }
   if (measured > 0 && likeness->halves_distance) likeness->half_frechet_ratio = sum / measured / *likeness->halves_distance;
-  if (classify && likeness->told && !halvings.empty()) TellHalves(halvings, options, likeness);
+  if (style && likeness->told) TellHalves(halvings, *style, options, likeness);
 }
 
 Json ToldJson(const std::optional<WindowDistinction>& told) {
   if (!told) return nullptr;
   return {{"auc", told->auc}, {"floor", told->floor}, {"above_floor", told->difference}, {"standard_error", told->standard_error}, {"windows", told->windows}};
+}
+
+Json ToldJson(const std::optional<HalfDistinction>& told) {
+  if (!told) return nullptr;
+  return {{"auc", told->auc()}, {"floor", told->floor}, {"above_floor", told->difference()}, {"auc_of_halvings", told->areas}};
 }
 
 Json LikenessJson(const StyleLikeness& likeness) {
@@ -212,8 +215,13 @@ Extreme WorstOf(const ByName& styles, Get get, bool greatest = true) {
   return worst;
 }
 
-std::optional<double> DifferenceOf(const std::optional<WindowDistinction>& told) {
-  return told ? std::optional(told->difference) : std::nullopt;
+std::optional<double> DifferenceOf(const std::optional<HalfDistinction>& told) { return told ? std::optional(told->difference()) : std::nullopt; }
+
+template <typename... Values>
+std::string Printed(const char* format, Values... values) {
+  char text[120];
+  std::snprintf(text, sizeof text, format, values...);
+  return text;
 }
 
 std::string Too(const std::optional<double>& value, const std::string& otherwise) {
@@ -228,20 +236,23 @@ void AddFigures(const Cut& cut, const StyleLikeness& overall, const ByName& styl
   const auto named = [](const Extreme& worst, const std::string& more) {
     return "style " + StyleLabel(worst.style) + (more.empty() ? "" : "; " + more);
   };
-  const auto error_of = [&](const std::string& style, auto member) {
-    for (const auto& [name, likeness] : styles) {
-      const std::optional<WindowDistinction>& told = likeness.*member;
-      if (name != style || !told) continue;
-      char text[120];
-      std::snprintf(text, sizeof text, "area %.3f, floor %.3f", told->auc, told->floor);
-      std::string said(text);
-      if (told->standard_error > 0) {
-        std::snprintf(text, sizeof text, ", standard error over halves %.3f", told->standard_error);
-        said += text;
-      }
-      return said;
-    }
+  const auto areas_of = [&](const std::string& style, auto say) {
+    for (const auto& [name, likeness] : styles)
+      if (name == style) return say(likeness);
     return std::string();
+  };
+  const auto all_of = [](const StyleLikeness& likeness) {
+    if (!likeness.told) return std::string();
+    return Printed("area %.3f, floor %.3f", likeness.told->auc, likeness.told->floor) + Printed(", standard error over halves %.3f", likeness.told->standard_error);
+  };
+  const auto halves_of = [](const std::optional<HalfDistinction>& told) {
+    if (!told) return std::string();
+    std::string said = Printed("area %.3f, floor %.3f", told->auc(), told->floor);
+    if (told->areas.size() > 1) {
+      said += "; halvings";
+      for (const double area : told->areas) said += Printed(" %.3f", area);
+    }
+    return said;
   };
   add("Fréchet distance over that of captured halves", overall.frechet_ratio, std::nullopt, 1.0, "all styles together");
   Extreme worst = WorstOf(styles, [](const StyleLikeness& s) { return s.frechet_ratio; });
@@ -250,17 +261,17 @@ void AddFigures(const Cut& cut, const StyleLikeness& overall, const ByName& styl
       "all styles together; over the mean distance of random halves");
   worst = WorstOf(styles, [](const StyleLikeness& s) { return s.half_frechet_ratio; });
   add("the same, worst style", worst.value, std::nullopt, 1.6, named(worst, ""));
-  worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.told); });
+  worst = WorstOf(styles, [](const StyleLikeness& s) { return s.told ? std::optional(s.told->difference) : std::nullopt; });
   add("classifier's area under the curve above its floor, worst style", worst.value, std::nullopt, 0.05,
-      named(worst, error_of(worst.style, &StyleLikeness::told)));
+      named(worst, areas_of(worst.style, all_of)));
   worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.half_told); });
   add("the same, trained on one half and judged on the other, worst style", worst.value, std::nullopt, 0.10,
-      named(worst, error_of(worst.style, &StyleLikeness::half_told)));
+      named(worst, areas_of(worst.style, [&](const StyleLikeness& s) { return halves_of(s.half_told); })));
   worst = WorstOf(styles, [](const StyleLikeness& s) { return DifferenceOf(s.copies_told); });
   add("the same for captured clips of the learned half, drawn with repetition, worst style", worst.value, std::nullopt, std::nullopt,
-      named(worst, error_of(worst.style, &StyleLikeness::copies_told)));
+      named(worst, areas_of(worst.style, [&](const StyleLikeness& s) { return halves_of(s.copies_told); })));
   worst = WorstOf(styles, [](const StyleLikeness& s) {
-    return s.half_told && s.copies_told ? std::optional(s.half_told->auc - s.copies_told->auc) : std::nullopt;
+    return s.half_told && s.copies_told ? std::optional(s.half_told->auc() - s.copies_told->auc()) : std::nullopt;
   });
   add("area of models of one half above that of these captured clips, worst style", worst.value, std::nullopt, std::nullopt, named(worst, ""));
   const auto diversity = [](const StyleLikeness& s) { return s.diversity_ratio; };
@@ -296,6 +307,7 @@ void AddCharts(const Cut& cut, const StyleLikeness& overall, const ByName& style
     if (y) series->x.push_back(static_cast<double>(x)), series->y.push_back(*y);
   };
   const auto area = [](const std::optional<WindowDistinction>& d) { return d ? std::optional(d->auc) : std::nullopt; };
+  const auto half_area = [](const std::optional<HalfDistinction>& d) { return d ? std::optional(d->auc()) : std::nullopt; };
   const auto floor = [](const std::optional<WindowDistinction>& d) { return d ? std::optional(d->floor) : std::nullopt; };
   for (size_t i = 0; i < styles.size(); ++i) {
     const auto& [style, likeness] = styles[i];
@@ -303,8 +315,8 @@ void AddCharts(const Cut& cut, const StyleLikeness& overall, const ByName& style
     put(likeness.frechet_ratio, i, &frechet.series[0]);
     put(likeness.half_frechet_ratio, i, &frechet.series[1]);
     put(area(likeness.told), i, &told.series[0]);
-    put(area(likeness.half_told), i, &told.series[1]);
-    put(area(likeness.copies_told), i, &told.series[2]);
+    put(half_area(likeness.half_told), i, &told.series[1]);
+    put(half_area(likeness.copies_told), i, &told.series[2]);
     put(floor(likeness.told), i, &told.series[3]);
     put(likeness.diversity_ratio, i, &diversity.series[0]);
   }
@@ -329,12 +341,11 @@ StudySection StudyLikeness(StudyContext& context) {
       "captured clips. The classifier is a random forest of 200 trees, cross-validated by clip, on windows with 1 mm of noise on every joint. How "
       "well it tells synthesised from captured windows is given with its floor: how well it tells one half of the captured clips from the other, "
       "with as many windows from clips of the same lengths.\n\nEverything is done twice: with a model of all clips, and with models of one half of "
-      "the clips, each judged on the half that it has not seen (mean of both ways" +
-      (halvings > 1 ? ", and of " + std::to_string(halvings) + " such halvings" : std::string()) +
-      "). Their distances and floors are those of "
-      "random halves, the same as for the model of all clips, as few halvings alone say little: not of the very halves that were learned from. Whatever a model draws from half of the clips comes from the same few recordings over and over, so that a classifier can learn "
-      "these from some of its clips and know them again in others; captured clips of the floor are each there once. How much that makes is "
-      "shown by the half's own captured clips, drawn with repetition in place of the model's.\n\nClips are taken as they are, and, where they are long enough, "
+      "the clips, each judged on the half that it has not seen (mean of both ways). Their distances and floors are those of "
+      "random halves, the same as for the model of all clips, as few halvings alone say little: not of the very halves that were learned "
+      "from. Whatever a model draws from half of the clips comes from the same few recordings over and over, so that a classifier can learn "
+      "these from some of its clips and know them again in others; captured clips of the floor are each there once. What that can make is "
+      "shown by the half's own captured clips, drawn with repetition and cut like the model's, as far as they are long enough.\n\nClips are taken as they are, and, where they are long enough, "
       "without their first and last second: recordings set off and slow down there, and synthesised clips are cut out of a walk.";
   const int count = options.quick ? 8 : 100;
   const auto tell = [&](const std::string& stage, double fraction) {
@@ -347,18 +358,20 @@ StudySection StudyLikeness(StudyContext& context) {
   std::string no_halves;
   for (int n = 0; n < halvings && no_halves.empty(); ++n) {
     LearnedHalves halves{context.Halving(n), {}};
-    tell("learning from half of the clips", 0.2 * n / halvings);
     try {
-      for (int h = 0; h < 2; ++h)
-        halves.synthesised[h] = DrawStyles(*context.Learn(StudyData::kClean, halves.clips[static_cast<size_t>(h)]), {.clips = count, .seed = options.seed, .jobs = options.jobs});
+      for (int h = 0; h < 2; ++h) {
+        tell("learning from half of the clips", 0.05 + 0.1 * (2 * n + h) / halvings);
+        const std::vector<int>& half = halves.clips[static_cast<size_t>(h)];
+        halves.synthesised[h] = DrawStyles(*context.Learn(StudyData::kClean, half), {.clips = count, .seed = options.seed, .jobs = options.jobs});
+      }
       learned.push_back(std::move(halves));
     } catch (const std::runtime_error& unfit) {  // half of few clips can be too few to learn from
       no_halves = unfit.what();
     }
   }
+  if (learned.size() > 1) section.text += "\n\nHalved " + std::to_string(learned.size()) + " times, means are given.";
   if (!no_halves.empty()) {
-    learned.clear();
-    section.text += "\n\nHalf of these clips are too few to learn from: " + no_halves;
+    section.text += (learned.empty() ? "\n\nHalf of these clips are too few to learn from: " : "\n\nHalved otherwise, these clips were too few to learn from: ") + no_halves;
   }
   for (const std::string& style : missing) section.text += "\n\nThe model cannot walk in style " + StyleLabel(style) + ": too few steps.";
 
@@ -391,7 +404,7 @@ StudySection StudyLikeness(StudyContext& context) {
         const auto& [first, second] = learned[n].synthesised;
         of_style.push_back({{of(first, style), of(second, style)}, {of(by_half[n][0], style), of(by_half[n][1], style)}});
       }
-      JudgeHalves(of_style, true, options, &likeness);
+      JudgeHalves(of_style, static_cast<int>(styles.size()), options, &likeness);
       section.data[cut.id]["styles"][StyleLabel(style)] = LikenessJson(likeness);
       styles.emplace_back(style, likeness);
     }
@@ -405,7 +418,7 @@ StudySection StudyLikeness(StudyContext& context) {
         const auto& [first, second] = learned[n].synthesised;
         of_all.push_back({{InProportion(first, by_half[n][0]), InProportion(second, by_half[n][1])}, {Joined(by_half[n][0]), Joined(by_half[n][1])}});
       }
-      JudgeHalves(of_all, false, options, &overall);
+      JudgeHalves(of_all, std::nullopt, options, &overall);
     }
     section.data[cut.id]["all_styles_together"] = LikenessJson(overall);
     AddFigures(cut, overall, styles, &section);

@@ -15,6 +15,8 @@
 namespace morphograph {
 namespace {
 
+constexpr std::uint64_t kHalvingStream = 0x9e3779b97f4a7c15ull;  // far apart, so that neighbouring seeds share no halving
+
 // Positions in random order, then cut in the middle. An odd one goes to either half in turn, so that neither is the larger by as many
 // clips as there are styles.
 void SplitStyle(std::vector<int> positions, bool odd_to_first, std::mt19937_64& rng, StudyContext::Halves* halves) {
@@ -59,7 +61,7 @@ StudyContext::StudyContext(std::vector<LoadedClip> clips, LabelledClips labels, 
 }
 
 StudyContext::Halves StudyContext::Halving(int number) const {
-  std::mt19937_64 rng(options_.seed + static_cast<std::uint64_t>(number));
+  std::mt19937_64 rng(options_.seed + kHalvingStream * static_cast<std::uint64_t>(number));
   Halves halves;
   bool odd_to_first = true;
   for (const std::string& style : styles_) {

@@ -115,23 +115,29 @@ std::vector<Knob> KnobsOf(ReductionKind kind) {
           {[](const RbfOptions& o) { return o.map.width; }, [](RbfOptions* o, double v) { o->map.width = v; }, 1.5, 0.2, 50}};
 }
 
-// The settings of least error that are found by changing one value at a time by its factor, for as long as that helps by a 500th: the best lies within what was tried, or at a limit of its knob.
+// Settings that no change of one value by its factor betters by a 500th, found by changing one after the other for as long as that helps.
 RbfOptions Tuned(RbfOptions best, const std::function<double(const RbfOptions&)>& error_of) {
   constexpr double kGain = 0.998;  // less is not worth going on for
   double least = error_of(best);
-  for (const Knob& knob : KnobsOf(best.reduction.kind)) {
-    for (const double factor : {knob.factor, 1 / knob.factor}) {
-      bool better = true, moved = false;
-      while (better) {
-        RbfOptions tried = best;
-        knob.set(&tried, knob.get(best) * factor);
-        const double value = knob.get(tried);
-        if (value < knob.least || value > knob.greatest) break;
-        const double error = error_of(tried);
-        better = error < kGain * least;
-        if (better) least = error, best = tried, moved = true;
+  const auto betters = [&](const Knob& knob, double factor) {
+    RbfOptions tried = best;
+    knob.set(&tried, knob.get(best) * factor);
+    const double value = knob.get(tried);
+    if (value < knob.least || value > knob.greatest) return false;
+    const double error = error_of(tried);
+    if (!(error < kGain * least)) return false;
+    least = error, best = tried;
+    return true;
+  };
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (const Knob& knob : KnobsOf(best.reduction.kind)) {
+      for (const double factor : {knob.factor, 1 / knob.factor}) {
+        bool went = false;
+        while (betters(knob, factor)) went = true;
+        moved = moved || went;
+        if (went) break;  // the other way leads back
       }
-      if (moved) break;  // the other way leads back
     }
   }
   return best;
