@@ -52,8 +52,9 @@ struct WindowDistinction {
 /// Parts of the captured clips, as positions.
 using ClipHalves = std::pair<std::vector<int>, std::vector<int>>;
 
-/// How well synthesised clips are told from those of B, for one halving (A, B) of the captured clips: the first of the two comparisons that TellApart() makes.
-/// @throws std::invalid_argument as it does.
+/// How well synthesised clips are told from those of B, for one halving (A, B) of the captured clips: the first of the two comparisons that
+/// TellApart() makes. @param halving  positions in `captured`. @return the area under the curve, 0.5 not at all, 1 always; options.halvings is
+/// of no account. @throws std::invalid_argument when B or the synthesised clips cannot fill the folds with windows, or there is no synthesised clip.
 double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured, const ClipHalves& halving,
                        const WindowClassifierOptions& options = {});
 

@@ -243,7 +243,9 @@ void AddFigures(const Cut& cut, const StyleLikeness& overall, const ByName& styl
   };
   const auto all_of = [](const StyleLikeness& likeness) {
     if (!likeness.told) return std::string();
-    return Printed("area %.3f, floor %.3f", likeness.told->auc, likeness.told->floor) + Printed(", standard error over halves %.3f", likeness.told->standard_error);
+    const std::string said = Printed("area %.3f, floor %.3f", likeness.told->auc, likeness.told->floor);
+    const double error = likeness.told->standard_error;  // 0: of a single halving
+    return error > 0 ? said + Printed(", standard error over halves %.3f", error) : said;
   };
   const auto halves_of = [](const std::optional<HalfDistinction>& told) {
     if (!told) return std::string();
