@@ -188,14 +188,6 @@ void TargetWorld(const Skeleton& target, const std::vector<JointLink>& links, co
   }
 }
 
-// Bones of the same lengths and directions, to the last digit.
-bool SameBones(const Skeleton& a, const Skeleton& b) {
-  for (int j = 0; j < a.joint_count(); ++j) {
-    if (j != a.moving_root() && a.joint(j).offset_m != b.joint(j).offset_m) return false;
-  }
-  return true;
-}
-
 }  // namespace
 
 bool SameRestPose(const Skeleton& a, const Skeleton& b) {
@@ -208,6 +200,14 @@ bool SameRestPose(const Skeleton& a, const Skeleton& b) {
     const bool socket = a.roles().RoleOf(j) == JointRole::kLeftHip || a.roles().RoleOf(j) == JointRole::kRightHip ||
                         a.roles().RoleOf(j) == JointRole::kLeftShoulder || a.roles().RoleOf(j) == JointRole::kRightShoulder;
     if (!socket && one.normalized().dot(other.normalized()) < kSameDirectionCosine) return false;
+  }
+  return true;
+}
+
+bool SameBones(const Skeleton& a, const Skeleton& b) {
+  if (!SameRestPose(a, b)) return false;
+  for (int j = 0; j < a.joint_count(); ++j) {
+    if (j != a.moving_root() && a.joint(j).offset_m != b.joint(j).offset_m) return false;
   }
   return true;
 }
@@ -243,7 +243,7 @@ MotionClip Retarget(const MotionClip& clip, const std::shared_ptr<const Skeleton
       if (f > 0 && rotation.dot(moved.rotation(f - 1, j)) < 0) rotation.coeffs() *= -1;
     }
   }
-  if (!same || !SameBones(source, *target)) PlaceFeetAsIn(clip, scale, &moved);
+  if (!SameBones(source, *target)) PlaceFeetAsIn(clip, scale, &moved);
   return moved;
 }
 

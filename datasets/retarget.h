@@ -24,4 +24,7 @@ MotionClip Retarget(const MotionClip& clip, const std::shared_ptr<const Skeleton
 /// Whether Retarget would exchange local rotations as they are.
 bool SameRestPose(const Skeleton& a, const Skeleton& b);
 
+/// Whether both are one body: SameRestPose(), and bones of the same lengths and directions to the last digit. Where the root starts does not count.
+bool SameBones(const Skeleton& a, const Skeleton& b);
+
 }  // namespace morphograph

@@ -30,7 +30,7 @@
 #include "synthesis/evaluation.h"
 #include "synthesis/motion_synthesizer.h"
 #include "synthesis/sensors/reconstruction.h"
-#include "tests/benchmarks/body_size.h"
+#include "tests/support/body_size.h"
 
 namespace {
 

@@ -41,8 +41,8 @@
 #include "datasets/virtual_sensors.h"
 #include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/reconstruction_quality.h"
-#include "tests/benchmarks/body_size.h"
 #include "tests/benchmarks/upright_rest.h"
+#include "tests/support/body_size.h"
 
 namespace {
 

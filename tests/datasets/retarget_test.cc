@@ -60,6 +60,8 @@ TEST(Retarget, SubjectsOfOneDataSetExchangeLocalRotations) {
   const MotionClip seven = Read("cmu/07/07_01.bvh"), eight = Read("cmu/08/08_01.bvh"), other = Read("cmu/131/131_01.bvh");
   EXPECT_TRUE(SameRestPose(seven.skeleton(), eight.skeleton()));
   EXPECT_FALSE(SameRestPose(seven.skeleton(), other.skeleton()));
+  EXPECT_FALSE(SameBones(seven.skeleton(), eight.skeleton()));
+  EXPECT_TRUE(SameBones(seven.skeleton(), Read("cmu/07/07_02.bvh").skeleton()));
   const MotionClip moved = Retarget(seven, eight.shared_skeleton());
   const RoleMap& roles = seven.skeleton().roles();
   for (const JointRole role : {JointRole::kHips, JointRole::kChest, JointRole::kHead, JointRole::kLeftShoulder, JointRole::kRightElbow, JointRole::kRightWrist}) {

@@ -8,15 +8,19 @@
 
 #include "api/study/study_context.h"
 #include "api/study/study_section.h"
+#include "tests/support/body_size.h"
 #include "tests/support/small_model.h"
 
 namespace morphograph::testing {
 
 /// A quick study's context over the first few of SmallWalks().
-inline StudyContext SmallContext(size_t most, int jobs = 2, LabelledClips labels = {}) {
+/// @param other_size  every other clip is of a body this many times the size
+inline StudyContext SmallContext(size_t most, int jobs = 2, LabelledClips labels = {}, double other_size = 1) {
   std::vector<LoadedClip> clips;
   for (auto& [name, clip] : SmallWalks()) {
-    if (clips.size() < most) clips.push_back({std::move(clip), name + ".bvh", 0, ""});
+    if (clips.size() == most) break;
+    const bool other = other_size != 1 && clips.size() % 2 == 1;
+    clips.push_back({other ? OfSize(clip, other_size) : std::move(clip), name + ".bvh", 0, ""});
   }
   StudyOptions options;
   options.quick = true;

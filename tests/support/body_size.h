@@ -20,6 +20,8 @@ inline MotionClip OfSize(const MotionClip& clip, double scale) {
   MotionClip scaled(skeleton, clip.frame_rate_hz(), clip.frame_count());
   for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(f), clip.joint_count(), &scaled.rotation(f, 0));
   scaled.root_positions() = scale * clip.root_positions();
+  scaled.name = clip.name;
+  scaled.style = clip.style;
   return scaled;
 }
 
