@@ -36,7 +36,7 @@ ReconstructionBody ParseReconstructionBody(std::string_view text) {
   ObjectReader reader(document, "", &findings);
   body.model = reader.Required("model", reader.Text("model"), "the name of a model that is served").value_or("");
   const auto method = ParseMethod(reader.Text("method").value_or("graph"));
-  if (!method) findings.Malformed("/method", "must be \"graph\", \"olng\", \"olng_kernels\", \"rbf\", \"gaussian\" or \"markers\"");
+  if (!method) findings.Malformed("/method", "must be \"graph\", \"olng\", \"olng_kernels\", \"rbf\", \"rbf_lle\", \"gaussian\" or \"markers\"");
   body.request.method = method.value_or(ReconstructionMethod::kGraph);
   if (const nlohmann::json* sensors = reader.Object("sensors")) {
     PlacedReadings placed = ReadPlacedReadings(*sensors, "/sensors", &findings);
@@ -73,7 +73,7 @@ StreamHead ParseStreamHead(std::string_view text) {
   ObjectReader reader(document, "", &findings);
   head.model = reader.Required("model", reader.Text("model"), "the name of a model that is served").value_or("");
   const auto method = ParseMethod(reader.Text("method").value_or("olng"));
-  if (!method || *method == ReconstructionMethod::kGraph) findings.Malformed("/method", "must be \"olng\", \"olng_kernels\", \"rbf\", \"gaussian\" or \"markers\"");
+  if (!method || *method == ReconstructionMethod::kGraph) findings.Malformed("/method", "must be \"olng\", \"olng_kernels\", \"rbf\", \"rbf_lle\", \"gaussian\" or \"markers\"");
   head.method = method.value_or(ReconstructionMethod::kOlng);
   head.placements = ReadPlacementList(&reader, &findings);
   reader.RefuseOthers();

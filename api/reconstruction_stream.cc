@@ -15,7 +15,7 @@ using nlohmann::ordered_json;
 
 std::unique_ptr<PoseEstimator> StartOrRefuse(const Reconstructor& reconstructor) {
   std::unique_ptr<PoseEstimator> estimator = reconstructor.Start();
-  if (!estimator) throw UnsatisfiableRequest("/method", "'" + std::string(MethodName(reconstructor.method())) + "' needs all readings at once; olng, olng_kernels, rbf, gaussian and markers go frame by frame");
+  if (!estimator) throw UnsatisfiableRequest("/method", "'" + std::string(MethodName(reconstructor.method())) + "' needs all readings at once; olng, olng_kernels, rbf, rbf_lle, gaussian and markers go frame by frame");
   return estimator;
 }
 

@@ -113,9 +113,9 @@ void AddReconstruct(CLI::App* program, Work* work) {
   const auto flags = std::make_shared<ReconstructFlags>();
   CLI::App* verb = program->add_subcommand("reconstruct", "Make a clip of what a few accelerometers or markers read");
   verb->add_option("--model", flags->model, "Model file; the embedded model when absent");
-  verb->add_option("--method", flags->method, "graph, olng, olng_kernels, rbf or gaussian of accelerations, markers of marker positions")
+  verb->add_option("--method", flags->method, "graph, olng, olng_kernels, rbf, rbf_lle or gaussian of accelerations, markers of marker positions")
       ->required()
-      ->check(CLI::IsMember({"graph", "olng", "olng_kernels", "rbf", "gaussian", "markers"}));
+      ->check(CLI::IsMember({"graph", "olng", "olng_kernels", "rbf", "rbf_lle", "gaussian", "markers"}));
   verb->add_option("--input", flags->input, "Readings: CSV (time,<sensor>.x,<sensor>.y,<sensor>.z,...), TRC, raw sensor files");
   verb->add_option("--placements", flags->placements, "Where the sensors sit, JSON; absent: at the joints that they are called after");
   verb->add_option("--out", flags->out, "File (.bvh or .glb)");

@@ -17,15 +17,15 @@ constexpr int kLleInputs = 24;
 
 PoseReduction::PoseReduction(const Eigen::MatrixXf& poses, const PoseReductionOptions& options) : options_(options) {
   const auto fail = [](const std::string& what) { throw std::invalid_argument("PoseReduction: " + what); };
-  if (options.components < 1 || options.components > poses.rows())
-    fail(std::to_string(options.components) + " components of poses of " + std::to_string(poses.rows()) + " channels");
+  if (options.components < 1) fail(std::to_string(options.components) + " components; at least 1");
   if (poses.cols() < 2) fail("fewer than 2 poses");
+  options_.components = static_cast<int>(std::min<Eigen::Index>(options.components, poses.rows()));
   mean_ = poses.cast<double>().rowwise().mean();
   const Eigen::MatrixXf centred = poses.colwise() - mean_.cast<float>();
   const Eigen::MatrixXd covariance = (centred * centred.transpose()).cast<double>() / static_cast<double>(poses.cols());
   const SymmetricFactors factors = FactorSymmetric(covariance);
   const bool lle = options.kind == ReductionKind::kLle;
-  const Eigen::Index kept = std::min<Eigen::Index>(lle ? std::max(kLleInputs, options.components) : options.components, poses.rows());
+  const Eigen::Index kept = std::min<Eigen::Index>(lle ? std::max(kLleInputs, options_.components) : options_.components, poses.rows());
   axes_ = factors.vectors.rowwise().reverse().leftCols(kept);
   for (Eigen::Index c = 0; c < kept; ++c) {
     Eigen::Index largest = 0;
@@ -41,9 +41,9 @@ PoseReduction::PoseReduction(const Eigen::MatrixXf& poses, const PoseReductionOp
   LocallyLinearEmbeddingOptions how;
   how.neighbours = options.neighbours;
   how.regularisation = options.regularisation;
-  how.components = options.components;
+  how.components = options_.components;
   embedding_ = std::make_shared<LocallyLinearEmbedding>(FitLocallyLinearEmbedding(samples, how));
-  spreads_ = Eigen::VectorXd::Ones(options.components);  // by its definition
+  spreads_ = Eigen::VectorXd::Ones(options_.components);  // by its definition
 }
 
 Eigen::MatrixXf PoseReduction::Coordinates(const Eigen::MatrixXf& poses, int jobs) const {

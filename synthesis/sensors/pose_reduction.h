@@ -11,11 +11,11 @@ enum class ReductionKind { kPca, kLle };
 
 struct PoseReductionOptions {
   ReductionKind kind = ReductionKind::kPca;
-  int components = 40;  // Xie takes 7, of each cluster; these are of all, cost little, and lose a millimetre
+  int components = 40;  // Xie takes 7, of each cluster; these are of all, cost little, and lose a millimetre; fewer where poses have fewer channels
   /// Of LLE (Xie 5.1.3, 5.1.4): neighbours of a sample, what keeps their weights from growing, and how many samples are embedded, evenly taken: its cost
   /// grows with their square. Other poses are placed by their neighbours among these.
-  int neighbours = 12;
-  double regularisation = 0.1;
+  int neighbours = 48;
+  double regularisation = 0.001;
   int samples = 2500;
 };
 

@@ -113,6 +113,7 @@ std::string_view MethodName(ReconstructionMethod method) {
     case ReconstructionMethod::kOlng: return "olng";
     case ReconstructionMethod::kOlngKernels: return "olng_kernels";
     case ReconstructionMethod::kRbf: return "rbf";
+    case ReconstructionMethod::kRbfLle: return "rbf_lle";
     case ReconstructionMethod::kGaussian: return "gaussian";
     case ReconstructionMethod::kMarkers: return "markers";
   }
@@ -146,8 +147,10 @@ std::shared_ptr<const Reconstructor> MakeReconstructor(std::shared_ptr<const Mot
   if (!markers) worn = WornBy(source.clips, sensors);
   const auto base = std::make_shared<const MotionBase>(source.clips, markers ? std::vector<Placement>() : sensors, options);
   switch (method) {
-    case ReconstructionMethod::kRbf: {
+    case ReconstructionMethod::kRbf:
+    case ReconstructionMethod::kRbfLle: {
       RbfOptions rbf;
+      if (method == ReconstructionMethod::kRbfLle) rbf.reduction.kind = ReductionKind::kLle;
       rbf.jobs = jobs;
       return MakeStreams<RbfEstimator>(graph, method, std::move(sensors), std::move(worn), base, std::make_shared<const RbfModel>(*base, rbf));
     }

@@ -25,12 +25,14 @@ enum class ReconstructionMethod {
   kGraph,     // a walk over the motion graph; needs the whole stream
   kOlng,      // online lazy neighbourhood graph (Tautges 2011), poses by regularised normal distributions
   kOlngKernels,  // the same, poses by square-root kernels, as published
-  kRbf,       // radial basis functions (Xie 2009, 6.1)
+  kRbf,       // radial basis functions (Xie 2009, 6.1), poses by principal components
+  kRbfLle,    // the same, poses by locally linear embedding (Xie 2009, 5.1.3)
   kGaussian,  // local Gaussians, optimised (Xie 2009, 6.2)
   kMarkers,   // local linear maps and a forest (Liu 2006); takes marker positions, the others accelerations
 };
 inline constexpr ReconstructionMethod kReconstructionMethods[] = {ReconstructionMethod::kGraph, ReconstructionMethod::kOlng, ReconstructionMethod::kOlngKernels,
-                                                                  ReconstructionMethod::kRbf,   ReconstructionMethod::kGaussian, ReconstructionMethod::kMarkers};
+                                                                  ReconstructionMethod::kRbf,   ReconstructionMethod::kRbfLle,   ReconstructionMethod::kGaussian,
+                                                                  ReconstructionMethod::kMarkers};
 std::string_view MethodName(ReconstructionMethod method);  // "graph", "olng", …
 std::optional<ReconstructionMethod> ParseMethod(std::string_view name);
 

@@ -65,7 +65,7 @@ testing::TestService* ReconstructionRoutesTest::app_ = nullptr;
 
 TEST_F(ReconstructionRoutesTest, GivesAClipThatComesNearTheTruth) {
   std::set<std::string> clips;
-  for (const std::string method : {"graph", "olng", "olng_kernels"}) {
+  for (const std::string method : {"graph", "olng", "olng_kernels", "rbf_lle"}) {
     const RawResponse response = Post(Request(method), "application/json");
     ASSERT_EQ(response.status, 200) << response.body;
     const json answer = json::parse(response.body);

@@ -211,6 +211,9 @@ int main(int argc, char** argv) {
   app.add_flag("--no-mirror", no_mirror, "no mirrored copies in the base");
   app.add_option("--rows", wanted, "methods")->delimiter(',');
   app.add_option("--components", rbf.reduction.components, "of a pose");
+  app.add_option("--neighbours", rbf.reduction.neighbours, "of a pose, in locally linear embedding (rbf-lle)");
+  app.add_option("--regularisation", rbf.reduction.regularisation, "of their weights");
+  app.add_option("--embedded", rbf.reduction.samples, "poses that are embedded; others are placed by them");
   app.add_option("--max-clusters", rbf.clusters.max_clusters, "of poses");
   app.add_option("--cluster-components", rbf.clusters.components, "of a pose, in clusters");
   app.add_option("--centres", rbf.map.centres, "of a map");

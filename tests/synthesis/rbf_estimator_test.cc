@@ -72,6 +72,7 @@ TEST(PoseReduction, LleLeadsBackNearToPosesOfACurve) {
   options.kind = ReductionKind::kLle;
   options.components = 1;
   options.samples = 300;
+  options.neighbours = 12;  // on a curve; poses have room for more
   const PoseReduction reduction(poses, options);
   const Eigen::MatrixXf coordinates = reduction.Coordinates(poses);
   for (const int i : {50, 301, 555}) EXPECT_LT((reduction.Pose(coordinates.col(i).cast<double>()) - poses.col(i).cast<double>()).norm(), 0.05) << i;
@@ -176,6 +177,15 @@ TEST(RbfEstimator, LearnsTheSameOnAnyNumberOfThreads) {
   EXPECT_EQ(one.clusters.of_frame, two.clusters.of_frame);
   const Eigen::VectorXf reading = SmallBase().accelerations().col(50);
   EXPECT_EQ(one.maps[0].Value(reading), two.maps[0].Value(reading));
+}
+
+// A skeleton of few joints has fewer channels than the coordinates that are usual.
+TEST(RbfEstimator, TakesNoMoreCoordinatesThanPosesHaveChannels) {
+  RbfOptions options = SmallOptions();
+  options.reduction.components = 1000;
+  const RbfModel model(SmallBase(), options);
+  EXPECT_EQ(model.reduction.components(), model.channels.Vectors(SmallBase()).rows());
+  EXPECT_EQ(model.reduction.options().components, model.reduction.components());
 }
 
 TEST(RbfEstimator, SaysWhatIsWrong) {
