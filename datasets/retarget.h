@@ -24,7 +24,8 @@ MotionClip Retarget(const MotionClip& clip, const std::shared_ptr<const Skeleton
 /// Whether Retarget would exchange local rotations as they are.
 bool SameRestPose(const Skeleton& a, const Skeleton& b);
 
-/// Whether both are one body: SameRestPose(), and bones of the same lengths and directions to the last digit. Where the root starts does not count.
+/// Whether both are one body: SameRestPose(), and joints that sit alike on their parents to the last digit. Where the root starts does not count, nor do the ends of
+/// the last bones, at which no joint is.
 bool SameBones(const Skeleton& a, const Skeleton& b);
 
 }  // namespace morphograph

@@ -56,7 +56,7 @@ std::vector<MotionClip> SpreadOverStyles(const StyledClips& clips, size_t most) 
 }
 
 struct Reference {
-  std::vector<MotionClip> clips, some;  // some: for the classifier
+  std::vector<MotionClip> clips, some;  // on the model's body; some: for the classifier
   SetQuality quality;
   int piece_frames = 90;
   int folds = 0;
@@ -104,17 +104,20 @@ StudySection StudyAblations(StudyContext& context) {
       "alone, drawn with its own residuals. Pooled styles: one model for all. No margins, hard cuts: nothing is learned of the quarter step before "
       "and after, and steps are cut together at the key frame. No foot lock: feet stay where the steps put them. Plain PCA: every channel counts "
       "alike. Euler angles: the recording's own channels in place of log maps (Du Eq. 3.8).\n\nAll styles together, against the captured clips as "
-      "they are; the classifier on some of the clips, fewer seeds than in the parts above.";
-  const std::vector<MotionClip> captured = AtEvaluationRate(context.clips(StudyData::kClean), options.jobs);
+      "they are; the classifier on some of the clips, fewer seeds than in the parts above, so that a difference of 0.05 may be chance.";
+  if (context.styles().size() < 2) section.text += " These clips have one style: there is nothing to pool.";
+  const std::vector<MotionClip>& recorded = context.clips(StudyData::kClean);
+  const std::shared_ptr<const Skeleton> body = context.Model(StudyData::kClean)->shared_skeleton();
+  const std::vector<MotionClip> captured = AtEvaluationRate(recorded, options.jobs), on_body = AtEvaluationRate(OnBody(recorded, body, options.jobs), options.jobs);
   Reference reference;
   reference.piece_frames = PieceFrames(captured);
-  for (const MotionClip& clip : captured) {
+  for (const MotionClip& clip : on_body) {
     if (clip.frame_count() >= 15) reference.clips.push_back(clip);
   }
   const StyledClips by_style = ByStyle(reference.clips);
   reference.some = SpreadOverStyles(by_style, 90);
   reference.folds = reference.some.size() < 4 ? 0 : static_cast<int>(std::min<size_t>(5, reference.some.size() / 2));
-  reference.quality = MeasureSet(reference.clips, {.piece_frames = reference.piece_frames});
+  reference.quality = MeasureSet(captured, {.piece_frames = reference.piece_frames});
 
   std::vector<int> all(captured.size());
   for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int>(i);

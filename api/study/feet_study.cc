@@ -174,7 +174,7 @@ void DrawCurves(const Compared& compared, const std::string& primitive, StudySec
                 .x_label = "frame of the step, 30 a second",
                 .y_label = "contact distance, mm",
                 .better = "lower",
-                .caption = std::to_string(kCurves) + " captured and " + std::to_string(kCurves) +
+                .caption = std::to_string(std::min<size_t>(kCurves, captured.size())) + " captured and " + std::to_string(std::min<size_t>(kCurves, synthesised.size())) +
                            " synthesised steps (Du Fig. 4.19, 4.20), bold: mean of all. Height of the planted foot over the plane on which the feet stand."};
   Chart difference{.title = primitive + ", " + compared.name + ": forward difference",
                    .x_label = "frame of the step, 30 a second",
@@ -189,36 +189,45 @@ void DrawCurves(const Compared& compared, const std::string& primitive, StudySec
   section->drawings.push_back(std::move(difference));
 }
 
-// Du's figures for a set of data: right and left first steps.
+// Du's figures for a set of data, of right and left first steps.
 struct Published {
   double contact[2], naturalness[2];
+
+  double least_contact() const { return std::min(contact[0], contact[1]); }
+  double least_naturalness() const { return std::min(naturalness[0], naturalness[1]); }
+  static int Side(const std::string& primitive) { return primitive.rfind("right", 0) == 0 ? 0 : 1; }
 };
+constexpr Published kPublishedClean{{1.43, 1.11}, {1.12, 1.69}}, kPublishedNoisy{{5.7, 4.1}, {5.1, 1.8}};
 
 void AddFigures(const Compared& compared, const Published& published, bool noisy, StudySection* section) {
   const SetQuality &a = compared.synthesised_quality, &b = compared.captured_quality;
   const std::string trained = noisy ? ", trained on noisy clips" : ", clean";
   const std::string setting = "all steps of the clips, in pieces of one length; Du's are for 20 steps of two kinds, of other recordings";
-  const double least_contact = *std::min_element(published.contact, published.contact + 2);
-  const double least_naturalness = *std::min_element(published.naturalness, published.naturalness + 2);
+  const double least_contact = published.least_contact(), least_naturalness = published.least_naturalness();
   section->figures.push_back({"contact distance, synthesised / captured" + trained, Finite(Ratio(a.contact_distance_m, b.contact_distance_m)), "",
-                              least_contact, "Du Table 4.4", std::nullopt, noisy ? 1.2 : 1.0, setting});
+                              least_contact, "Du Table 4.4", std::nullopt, noisy ? 1.2 : 1.0,
+                              "synthesised " + ShortNumber(1000 * a.contact_distance_m, 3) + ", captured " + ShortNumber(1000 * b.contact_distance_m, 3) + " mm; " + setting});
   section->figures.push_back({"naturalness, synthesised / captured" + trained, Finite(Ratio(a.naturalness, b.naturalness)), "",
-                              least_naturalness, "Du Table 4.5", noisy ? std::nullopt : std::optional(0.9), noisy ? 1.3 : 1.1, setting});
-  int k = 0;
+                              least_naturalness, "Du Table 4.5", noisy ? std::nullopt : std::optional(0.9), noisy ? 1.3 : 1.1,
+                              "synthesised " + ShortNumber(1e8 * a.naturalness, 3) + ", captured " + ShortNumber(1e8 * b.naturalness, 3) + " cm⁴; " + setting});
   for (const std::string& primitive : TwoPrimitives(compared)) {
     const std::vector<StepCurves>&captured = compared.captured_curves.at(primitive), &drawn = compared.synthesised_curves.at(primitive);
     const std::string note = std::to_string(captured.size()) + " captured, " + std::to_string(drawn.size()) + " synthesised steps";
+    const auto means = [&](double synthesised, double of_captured, const char* unit) {
+      return "synthesised " + ShortNumber(synthesised, 3) + ", captured " + ShortNumber(of_captured, 3) + unit + note;
+    };
     section->figures.push_back({"contact distance of " + primitive + trained, Finite(Ratio(MeanContact(drawn), MeanContact(captured))), "",
-                                published.contact[k], "Du Table 4.4", std::nullopt, std::nullopt, note});
+                                published.contact[Published::Side(primitive)], "Du Table 4.4", std::nullopt, std::nullopt,
+                                means(1000 * MeanContact(drawn), 1000 * MeanContact(captured), " mm; ")});
     section->figures.push_back({"naturalness of " + primitive + trained, Finite(Ratio(MeanNaturalness(drawn), MeanNaturalness(captured))), "",
-                                published.naturalness[k], "Du Table 4.5", std::nullopt, std::nullopt, note});
+                                published.naturalness[Published::Side(primitive)], "Du Table 4.5", std::nullopt, std::nullopt,
+                                means(1e8 * MeanNaturalness(drawn), 1e8 * MeanNaturalness(captured), " cm⁴; ")});
     section->data[compared.name]["primitives"][primitive] = {{"captured_steps", captured.size()},
                                                              {"synthesised_steps", drawn.size()},
                                                              {"contact_distance_captured_m", MeanContact(captured)},
                                                              {"contact_distance_synthesised_m", MeanContact(drawn)},
                                                              {"naturalness_captured_m4", MeanNaturalness(captured)},
                                                              {"naturalness_synthesised_m4", MeanNaturalness(drawn)}};
-    ++k;
   }
   section->figures.push_back({"foot skate, synthesised / captured" + trained, Finite(Ratio(a.foot_skate_cm_s, b.foot_skate_cm_s)), "", std::nullopt,
                               "", std::nullopt, noisy ? std::nullopt : std::optional(0.8), ""});
@@ -230,18 +239,24 @@ void AddFigures(const Compared& compared, const Published& published, bool noisy
                               std::nullopt, std::nullopt, ""});
 }
 
-// Ratios style by style, as bars; and into the data.
-Chart StyleRatios(const Compared& compared, int piece_frames, Json* data) {
-  Chart chart{.title = "Synthesised / captured by style, " + compared.name,
-              .x_label = "style",
-              .y_label = "synthesised / captured",
-              .caption = "1 is as captured. Contact distance and foot skate: lower is better. Acceleration is the 99.9th percentile."};
+// Ratios style by style, as bars; and into the data. What has a published figure has a chart of its own, in which it is marked.
+std::vector<Chart> StyleRatios(const Compared& compared, const Published& published, int piece_frames, Json* data) {
+  const auto of = [&](const std::string& what, const std::string& better, const std::string& caption) {
+    return Chart{.title = what + ", synthesised / captured by style, " + compared.name, .x_label = "style", .y_label = "synthesised / captured", .better = better, .caption = caption};
+  };
+  std::vector<Chart> charts = {of("Contact distance", "lower", "Published: the better of the two steps of Du Table 4.4."),
+                               of("Naturalness", "", "1 is as captured, and best. Published: the better of the two steps of Du Table 4.5."),
+                               of("Feet and flow", "", "1 is as captured. Foot skate: lower is better; acceleration (its 99.9th percentile) and jerk are best at 1.")};
+  charts[0].marks = {{"published", published.least_contact()}};
+  charts[1].marks = {{"published", published.least_naturalness()}};
+  charts[2].marks = {{"as captured", 1}};
   const std::array<std::pair<const char*, double SetQuality::*>, 5> measures = {{{"contact distance", &SetQuality::contact_distance_m},
                                                                                {"naturalness", &SetQuality::naturalness},
                                                                                {"foot skate", &SetQuality::foot_skate_cm_s},
                                                                                {"acceleration", &SetQuality::acceleration_p999_m_s2},
                                                                                {"jerk", &SetQuality::mean_jerk_m_s3}}};
-  for (const auto& [name, member] : measures) chart.series.push_back({.name = name, .x = {}, .y = {}, .form = Form::kBars});
+  const auto chart_of = [&](size_t measure) -> Chart& { return charts[std::min<size_t>(measure, 2)]; };
+  for (size_t m = 0; m < measures.size(); ++m) chart_of(m).series.push_back({.name = measures[m].first, .x = {}, .y = {}, .form = Form::kBars});
   for (const auto& [style, clips] : compared.captured) {
     const auto drawn = compared.synthesised.find(style);
     const auto holds = [&](const MotionClip& clip) { return clip.frame_count() >= piece_frames; };
@@ -250,13 +265,13 @@ Chart StyleRatios(const Compared& compared, int piece_frames, Json* data) {
     const SetQuality synthesised = MeasureSet(drawn->second, {.piece_frames = piece_frames});
     (*data)["styles"][StyleLabel(style)] = {{"captured", QualityJson(captured)}, {"synthesised", QualityJson(synthesised)}};
     for (size_t m = 0; m < measures.size(); ++m) {
-      chart.series[m].x.push_back(static_cast<double>(chart.x_names.size()));
-      chart.series[m].y.push_back(Ratio(synthesised.*measures[m].second, captured.*measures[m].second));
+      ChartSeries& series = chart_of(m).series[m < 2 ? 0 : m - 2];
+      series.x.push_back(static_cast<double>(charts[0].x_names.size()));
+      series.y.push_back(Ratio(synthesised.*measures[m].second, captured.*measures[m].second));
     }
-    chart.x_names.push_back(StyleLabel(style));
+    for (Chart& chart : charts) chart.x_names.push_back(StyleLabel(style));
   }
-  chart.marks.push_back({"as captured", 1});
-  return chart;
+  return charts;
 }
 
 }  // namespace
@@ -278,16 +293,16 @@ StudySection StudyFeetAndFlow(StudyContext& context) {
 
   const Compared clean = Compare(context, StudyData::kClean, piece_frames);
   for (const std::string& primitive : TwoPrimitives(clean)) DrawCurves(clean, primitive, &section);
-  AddFigures(clean, {{1.43, 1.11}, {1.12, 1.69}}, false, &section);
+  AddFigures(clean, kPublishedClean, false, &section);
   Json& data = section.data;
   data["clean"]["captured"] = QualityJson(clean.captured_quality);
   data["clean"]["synthesised"] = QualityJson(clean.synthesised_quality);
-  section.drawings.push_back(StyleRatios(clean, piece_frames, &data["clean"]));
+  for (Chart& chart : StyleRatios(clean, kPublishedClean, piece_frames, &data["clean"])) section.drawings.push_back(std::move(chart));
 
   try {
     const Compared noisy = Compare(context, StudyData::kNoisy, piece_frames);
     for (const std::string& primitive : TwoPrimitives(noisy)) DrawCurves(noisy, primitive, &section);
-    AddFigures(noisy, {{5.7, 4.1}, {5.1, 1.8}}, true, &section);
+    AddFigures(noisy, kPublishedNoisy, true, &section);
     const SetQuality &a = noisy.synthesised_quality, &b = clean.captured_quality;
     section.figures.push_back({"contact distance, trained on noisy clips, against the clean capture", Finite(Ratio(a.contact_distance_m, b.contact_distance_m)),
                                "", std::nullopt, "", std::nullopt, std::nullopt, "noisy capture against clean capture: " +
@@ -297,7 +312,7 @@ StudySection StudyFeetAndFlow(StudyContext& context) {
                                ShortNumber(Ratio(noisy.captured_quality.naturalness, b.naturalness), 3)});
     data["noisy"]["captured"] = QualityJson(noisy.captured_quality);
     data["noisy"]["synthesised"] = QualityJson(noisy.synthesised_quality);
-    section.drawings.push_back(StyleRatios(noisy, piece_frames, &data["noisy"]));
+    for (Chart& chart : StyleRatios(noisy, kPublishedNoisy, piece_frames, &data["noisy"])) section.drawings.push_back(std::move(chart));
   } catch (const std::runtime_error& unfit) {  // noise can leave too few steps to learn from
     section.text += "\n\nLeft out for noisy clips: " + std::string(unfit.what());
     const std::string why = "no model can be learned from the noisy clips";

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "api/study/study.h"
+#include "api/study/study_context.h"
 #include "datasets/motion_clip.h"
 #include "synthesis/window_classifier.h"
 

@@ -1,6 +1,5 @@
 // Synthesised against captured clips as sets: Fréchet distance, diversity, classifier. METHODS section 6.
 
-#include <algorithm>
 #include <array>
 #include <memory>
 
@@ -8,8 +7,6 @@
 #include "api/study/likeness_figures.h"
 #include "api/study/sample_sets.h"
 #include "api/study/sample_study.h"
-#include "datasets/parallel_for.h"
-#include "datasets/retarget.h"
 
 namespace morphograph {
 namespace {
@@ -19,24 +16,6 @@ struct LearnedHalves {
   StudyContext::Halves clips;
   StyledClips synthesised[2];
 };
-
-bool OfOneBody(const std::vector<MotionClip>& clips) {
-  return std::all_of(clips.begin(), clips.end(), [&](const MotionClip& clip) { return SameBones(clip.skeleton(), clips.front().skeleton()); });
-}
-
-// The clips with the bones of one skeleton, as training reads them.
-std::vector<MotionClip> OnBody(const std::vector<MotionClip>& clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs) {
-  std::vector<MotionClip> retargeted(clips.size());
-  ParallelFor(jobs, static_cast<int>(clips.size()), [&](int i) {
-    retargeted[static_cast<size_t>(i)] = Retarget(clips[static_cast<size_t>(i)], skeleton);
-  });
-  return retargeted;
-}
-
-StyledClips OnBody(StyledClips clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs) {
-  for (auto& [style, of_style] : clips) of_style = OnBody(of_style, skeleton, jobs);
-  return clips;
-}
 
 }  // namespace
 
@@ -57,10 +36,15 @@ StudySection StudyLikeness(StudyContext& context) {
       "random halves, the same as for the model of all clips, as few halvings alone say little: not of the very halves that were learned "
       "from. Whatever a model draws from half of the clips comes from the same few recordings over and over, so that a classifier can learn "
       "these from some of its clips and know them again in others; captured clips of the floor are each there once. What that can make is "
-      "shown by the half's own captured clips, drawn with repetition and cut like the model's, as far as they are long enough.\n\nA model has the bones of one "
-      "skeleton. Captured clips of several people are put on it, as training does, for a classifier knows a clip by the length of its bones "
-      "whatever the motion; what it tells of the clips as they were recorded is given beside that.\n\nClips are taken as they are, and, where they are long enough, "
+      "shown by the half's own captured clips, drawn with repetition and cut like the model's, as far as they are long enough.\n\nClips are taken as they are, and, where they are long enough, "
       "without their first and last second: recordings set off and slow down there, and synthesised clips are cut out of a walk.";
+  std::vector<MotionClip> with_own_bones;  // where these tell something
+  if (!OfOneBody(recorded)) {
+    with_own_bones = AtEvaluationRate(recorded, options.jobs);
+    section.text +=
+        "\n\nThese clips are of bodies with different bones, and a model has one. Captured clips are put on its body, as training does, for a classifier "
+        "knows a clip by the length of its bones, whatever the motion. What it tells when they keep their own bones is given beside that.";
+  }
   const int count = options.quick ? 8 : 100;
   const auto tell = [&](const std::string& stage, double fraction) {
     if (options.progress) options.progress(stage, fraction);
@@ -100,8 +84,7 @@ StudySection StudyLikeness(StudyContext& context) {
       continue;
     }
     const StyledClips by_style = ByStyle(clips);
-    StyledClips with_own_bones;
-    if (!OfOneBody(recorded)) with_own_bones = ByStyle(CutClips(AtEvaluationRate(recorded, options.jobs), cut));
+    const StyledClips own_bones_by_style = ByStyle(CutClips(with_own_bones, cut));
     std::vector<std::array<StyledClips, 2>> by_half;  // of every halving
     for (const LearnedHalves& halves : learned) {
       by_half.push_back({ByStyle(CutClips(Chosen(captured, halves.clips[0]), cut)), ByStyle(CutClips(Chosen(captured, halves.clips[1]), cut))});
@@ -117,7 +100,7 @@ StudySection StudyLikeness(StudyContext& context) {
       const std::vector<MotionClip> own = of(by_style, style);
       JudgeWhole(drawn, own, options, &likeness);
       likeness.told = Tell(drawn, own, cut, options);
-      if (!with_own_bones.empty()) likeness.told_by_bones = Tell(drawn, of(with_own_bones, style), cut, options);
+      if (!with_own_bones.empty()) likeness.told_by_bones = Tell(drawn, of(own_bones_by_style, style), cut, options);
       std::vector<JudgedHalves> of_style;
       for (size_t n = 0; n < learned.size(); ++n) {
         const auto& [first, second] = learned[n].synthesised;

@@ -7,6 +7,7 @@
 
 #include "datasets/parallel_for.h"
 #include "datasets/resample.h"
+#include "datasets/retarget.h"
 #include "synthesis/evaluation_motion.h"
 #include "synthesis/motion_synthesizer.h"
 
@@ -32,6 +33,22 @@ StyledClips ByStyle(const std::vector<MotionClip>& clips) {
   StyledClips styled;
   for (const MotionClip& clip : clips) styled[clip.style].push_back(clip);
   return styled;
+}
+
+bool OfOneBody(const std::vector<MotionClip>& clips) {
+  return std::all_of(clips.begin(), clips.end(), [&](const MotionClip& clip) { return SameBones(clip.skeleton(), clips.front().skeleton()); });
+}
+
+std::vector<MotionClip> OnBody(const std::vector<MotionClip>& clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs) {
+  std::vector<MotionClip> retargeted(clips.size());
+  ParallelFor(jobs, static_cast<int>(clips.size()),
+              [&](int i) { retargeted[static_cast<size_t>(i)] = Retarget(clips[static_cast<size_t>(i)], skeleton); });
+  return retargeted;
+}
+
+StyledClips OnBody(StyledClips clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs) {
+  for (auto& [style, of_style] : clips) of_style = OnBody(of_style, skeleton, jobs);
+  return clips;
 }
 
 std::vector<MotionClip> Joined(const StyledClips& clips) {

@@ -99,7 +99,6 @@ LabelledClips ReadAllLabels(const std::vector<fs::path>& files) {
   return all;
 }
 
-// `count` of the positions, spread evenly over them.
 // A few clips of every style, up to half of them labelled ones, so that a quick study has something to say of everything. Positions, ascending.
 std::vector<int> FewClips(const std::vector<LoadedClip>& clips, const std::vector<std::vector<LabelledFrame>>& labels) {
   constexpr size_t kClips = 24, kOfStyle = 6;

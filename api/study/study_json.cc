@@ -20,7 +20,8 @@ Json FigureJson(const StudyFigure& figure) {
 Json NoiseJson(const NoiseOptions& noise) {
   return {{"leaf_jitter_rad", noise.leaf_jitter_rad}, {"root_jitter_m", noise.root_jitter_m}, {"root_jitter_rad", noise.root_jitter_rad},
           {"slips_per_s", noise.slips_per_s},         {"slip_rad", noise.slip_rad},           {"slip_m", noise.slip_m},
-          {"slip_s", noise.slip_s},                   {"dropouts_per_s", noise.dropouts_per_s}, {"dropout_s", noise.dropout_s}};
+          {"slip_s", noise.slip_s},                   {"dropouts_per_s", noise.dropouts_per_s}, {"dropout_s", noise.dropout_s},
+          {"camera_hz", noise.camera_hz}};
 }
 
 }  // namespace

@@ -85,11 +85,11 @@ std::string Paragraphs(const std::string& text) {
 
 std::string NoiseText(const NoiseOptions& noise) {
   constexpr double kDegrees = 180 / 3.14159265358979323846;
-  return "jitter of " + ShortNumber(kDegrees * noise.leaf_jitter_rad, 2) + "° on feet, hands and head, of " +
+  return "jitter of " + ShortNumber(kDegrees * noise.leaf_jitter_rad, 2) + "° on feet, hands and head and the joints that move them (knees, elbows, neck), of " +
          ShortNumber(100 * noise.root_jitter_m, 2) + " cm and " + ShortNumber(kDegrees * noise.root_jitter_rad, 2) + "° on the root; " +
-         ShortNumber(noise.slips_per_s) + " slips a second and joint (" + ShortNumber(kDegrees * noise.slip_rad, 2) + "°, root " +
+         ShortNumber(noise.slips_per_s) + " slips a second of each limb (" + ShortNumber(kDegrees * noise.slip_rad, 2) + "°, root " +
          ShortNumber(100 * noise.slip_m, 2) + " cm, " + ShortNumber(noise.slip_s) + " s); " + ShortNumber(noise.dropouts_per_s) +
-         " dropouts (" + ShortNumber(noise.dropout_s) + " s)";
+         " dropouts (" + ShortNumber(noise.dropout_s) + " s), as of cameras of " + ShortNumber(noise.camera_hz) + " Hz";
 }
 
 std::string WhatWasRun(const StudyReport& report) {

@@ -218,6 +218,7 @@ Verdicts AllVerdicts(const std::vector<JudgedEdge>& edges) {
 Chart ByMethod(const std::vector<std::pair<std::string, Verdicts>>& verdicts, const std::vector<TransitionMethod>& methods,
                double (*value)(const Verdicts&, TransitionMethod)) {
   Chart chart;
+  chart.x_label = "learned from and judged on";
   for (const auto& [name, of_data] : verdicts) chart.x_names.push_back(name);
   for (const TransitionMethod method : methods) {
     ChartSeries bars{kTransitionMethodNames[method], {}, {}, ChartSeries::Form::kBars};

@@ -16,6 +16,7 @@ namespace morphograph {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 using testing::ExpectSound;
 using testing::SmallContext;
 
@@ -107,16 +108,34 @@ TEST(SampleStudy, BonesAreNoMotion) {
   StudyContext of_one = SmallContext(12), of_two = SmallContext(12, 2, {}, 1.15);
   const StudySection one = StudyLikeness(of_one), two = StudyLikeness(of_two);
   ExpectSound(two);
+  double told = 0, told_by_bones = 0;
   for (const auto& [name, style] : two.data.at("whole").at("styles").items()) {
     const auto& expected = one.data.at("whole").at("styles").at(name);
     // A forest's area is not compared: of these few windows it changes by 0.07 with the last digits of the poses.
     for (const char* figure : {"frechet_ratio", "diversity_ratio"})
       EXPECT_NEAR(style.at(figure).get<double>() / expected.at(figure).get<double>(), 1, 0.05) << name << ' ' << figure;
-    EXPECT_FALSE(style.at("with_recorded_bones").at("classifier").is_null()) << name;
+    const auto half = [](const auto& of_style) { return of_style.at("trained_on_one_half").at("frechet_ratio").template get<double>(); };
+    EXPECT_NEAR(half(style) / half(expected), 1, 0.05) << name;
+    told += style.at("classifier").at("auc").get<double>();
+    told_by_bones += style.at("with_recorded_bones").at("classifier").at("auc").get<double>();
     EXPECT_TRUE(expected.at("with_recorded_bones").at("classifier").is_null()) << name;
   }
+  EXPECT_NE(told_by_bones, told);
   EXPECT_NE(Find(two, "bones that they were recorded on"), nullptr);
   EXPECT_EQ(Find(one, "bones that they were recorded on"), nullptr);
+  EXPECT_THAT(two.text, HasSubstr("different bones"));
+  EXPECT_THAT(one.text, Not(HasSubstr("different bones")));
+}
+
+TEST(SampleSets, PutsClipsOnOneBody) {
+  const MotionClip walk = testing::SmallWalks().front().second, large = testing::OfSize(walk, 1.15);
+  EXPECT_TRUE(OfOneBody({walk, walk}));
+  EXPECT_FALSE(OfOneBody({walk, large}));
+  const std::vector<MotionClip> put = OnBody(std::vector<MotionClip>{walk, large}, walk.shared_skeleton(), 1);
+  EXPECT_TRUE(OfOneBody(put));
+  const Eigen::Matrix3Xd off = put[1].root_positions() - walk.root_positions();
+  EXPECT_LT(off.row(0).cwiseAbs().maxCoeff() + off.row(2).cwiseAbs().maxCoeff(), 1e-6);
+  EXPECT_LT(off.row(1).cwiseAbs().maxCoeff(), 0.01);  // the balls of the feet keep their height, which was 1.15 times as great
 }
 
 TEST(SampleStudy, LongWalksNameTheWorstComponent) {

@@ -96,7 +96,7 @@ TEST(StudyMeasures, WeightedComponentsLeaveTheLeastWeightedErrorOnWhatTheyWereTa
     const auto kept = of["weighted_pca"]["variance_kept"].get<std::vector<double>>();
     for (size_t k = 0; k < weighted.size(); ++k) {
       EXPECT_LE(weighted[k], plain[k] + 1e-9 * weighted[0]) << k;
-      if (k > 0) EXPECT_LE(weighted[k], weighted[k - 1]);
+      EXPECT_LE(weighted[k], weighted[k > 0 ? k - 1 : 0]);
       EXPECT_NEAR(weighted[k] / weighted[0], 1 - kept[k], 0.35) << k;  // means of ratios over classes differ from ratios of means
     }
     EXPECT_LT(weighted.back(), 1e-9 * weighted.front());  // all components: nothing is lost of what was taught

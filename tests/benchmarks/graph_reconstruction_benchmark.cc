@@ -159,7 +159,7 @@ int main(int argc, char** argv) {
         const MotionClip played = Resample(Retimed(truth, truth.frame_rate_hz() * tempo), kReconstructionRate_hz);
         Add(*reconstructor, played, played, {}, row(tempo < 1 ? "a fifth slower" : "a fifth faster"));
       }
-      for (const double scale : {0.8, 1.2}) Add(*reconstructor, OfSize(truth, scale), truth, {}, row(scale < 1 ? "0.8 times the size" : "1.2 times the size"));
+      for (const double scale : {0.8, 1.2}) Add(*reconstructor, testing::OfSize(truth, scale), truth, {}, row(scale < 1 ? "0.8 times the size" : "1.2 times the size"));
     }
   }
   std::printf("%-22s %6s %8s %8s %6s %6s %6s %8s %9s\n", "", "clips", "mean cm", "95 % cm", "jerk", "skate", "feet", "ln p", "ms/frame");

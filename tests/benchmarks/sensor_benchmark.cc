@@ -310,7 +310,7 @@ std::vector<Placement> WornBy(const MotionClip& body, const MotionClip& on_base,
 TestClip Simulated(const Recording& recording, const MotionBase& base, const Trial& trial, std::uint64_t seed) {
   const MotionClip played = trial.tempo == 1 ? recording.clip : Retimed(recording.clip, recording.clip.frame_rate_hz() * trial.tempo);
   const MotionClip on_base = Retarget(played, base.shared_skeleton());
-  Readings readings = VirtualAccelerations(trial.size == 1 ? played : OfSize(played, trial.size), WornBy(played, on_base, base.sensors()), base.frame_rate_hz());
+  Readings readings = VirtualAccelerations(trial.size == 1 ? played : testing::OfSize(played, trial.size), WornBy(played, on_base, base.sensors()), base.frame_rate_hz());
   readings = WithFaults(readings, trial.faults, seed);
   return {recording.clip.name, Resample(on_base, base.frame_rate_hz()), readings.values};
 }

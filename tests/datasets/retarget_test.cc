@@ -70,6 +70,17 @@ TEST(Retarget, SubjectsOfOneDataSetExchangeLocalRotations) {
 }
 
 // The legs of 08 are 1.5 and 0.6 % shorter than those of 07, left and right: their turns alone leave the feet apart by 2 cm in height.
+// bnr's files begin where the take began, so their roots have offsets of their own.
+TEST(Retarget, WhereTheRootStartsIsNoBone) {
+  const auto skeleton = SyntheticSkeleton();
+  std::vector<Joint> joints = skeleton->joints();
+  joints[static_cast<std::size_t>(skeleton->moving_root())].offset_m += Eigen::Vector3d(1, 0, 2);
+  const auto rebuilt = [&] { return Skeleton(joints, skeleton->roles(), skeleton->metres_per_unit(), skeleton->up_axis()); };
+  EXPECT_TRUE(SameBones(*skeleton, rebuilt()));
+  joints[static_cast<std::size_t>(skeleton->roles()[JointRole::kLeftKnee])].offset_m *= 1.001;
+  EXPECT_FALSE(SameBones(*skeleton, rebuilt()));
+}
+
 TEST(Retarget, FeetOfUnequalLegsGoWhereTheSourceWent) {
   MORPHOGRAPH_REQUIRE_SHARED_DATA();
   const MotionClip seven = Read("cmu/07/07_01.bvh");

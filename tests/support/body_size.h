@@ -7,7 +7,7 @@
 
 #include "datasets/motion_clip.h"
 
-namespace morphograph {
+namespace morphograph::testing {
 
 /// The same motion of a body whose lengths are all this many times as long.
 inline MotionClip OfSize(const MotionClip& clip, double scale) {
@@ -25,4 +25,4 @@ inline MotionClip OfSize(const MotionClip& clip, double scale) {
   return scaled;
 }
 
-}  // namespace morphograph
+}  // namespace morphograph::testing
