@@ -107,8 +107,7 @@ StudySection StudyAblations(StudyContext& context) {
       "they are; the classifier on some of the clips, fewer seeds than in the parts above, so that a difference of 0.05 may be chance.";
   if (context.styles().size() < 2) section.text += " These clips have one style: there is nothing to pool.";
   const std::vector<MotionClip>& recorded = context.clips(StudyData::kClean);
-  const std::shared_ptr<const Skeleton> body = context.Model(StudyData::kClean)->shared_skeleton();
-  const std::vector<MotionClip> captured = AtEvaluationRate(recorded, options.jobs), on_body = AtEvaluationRate(OnBody(recorded, body, options.jobs), options.jobs);
+  const std::vector<MotionClip> captured = AtEvaluationRate(recorded, options.jobs), on_body = AtEvaluationRate(OnBody(recorded, context.body(), options.jobs), options.jobs);
   Reference reference;
   reference.piece_frames = PieceFrames(captured);
   for (const MotionClip& clip : on_body) {

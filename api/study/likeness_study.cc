@@ -1,7 +1,6 @@
 // Synthesised against captured clips as sets: Fréchet distance, diversity, classifier. METHODS section 6.
 
 #include <array>
-#include <memory>
 
 #include "api/study/likeness.h"
 #include "api/study/likeness_figures.h"
@@ -21,9 +20,8 @@ struct LearnedHalves {
 
 StudySection StudyLikeness(StudyContext& context) {
   const StudyOptions& options = context.options();
-  const std::shared_ptr<const Skeleton> body = context.Model(StudyData::kClean)->shared_skeleton();
   const std::vector<MotionClip>& recorded = context.clips(StudyData::kClean);
-  const std::vector<MotionClip> captured = AtEvaluationRate(OnBody(recorded, body, options.jobs), options.jobs);
+  const std::vector<MotionClip> captured = AtEvaluationRate(OnBody(recorded, context.body(), options.jobs), options.jobs);
   StudySection section{.id = "likeness", .title = "Likeness of synthesised and captured clips"};
   const int halvings = options.quick ? 1 : 2;  // that models are learned from
   section.text =
@@ -60,8 +58,7 @@ StudySection StudyLikeness(StudyContext& context) {
       for (int h = 0; h < 2; ++h) {
         tell("learning from half of the clips", 0.05 + 0.1 * (2 * n + h) / halvings);
         const std::vector<int>& half = halves.clips[static_cast<size_t>(h)];
-        const StyledClips drawn = DrawStyles(*context.Learn(StudyData::kClean, half), {.clips = count, .seed = options.seed, .jobs = options.jobs});
-        halves.synthesised[h] = OnBody(drawn, body, options.jobs);
+        halves.synthesised[h] = DrawStyles(*context.Learn(StudyData::kClean, half), {.clips = count, .seed = options.seed, .jobs = options.jobs});
       }
       learned.push_back(std::move(halves));
     } catch (const std::runtime_error& unfit) {  // half of few clips can be too few to learn from

@@ -46,11 +46,6 @@ std::vector<MotionClip> OnBody(const std::vector<MotionClip>& clips, const std::
   return retargeted;
 }
 
-StyledClips OnBody(StyledClips clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs) {
-  for (auto& [style, of_style] : clips) of_style = OnBody(of_style, skeleton, jobs);
-  return clips;
-}
-
 std::vector<MotionClip> Joined(const StyledClips& clips) {
   std::vector<MotionClip> joined;
   for (const auto& [style, of_style] : clips) joined.insert(joined.end(), of_style.begin(), of_style.end());

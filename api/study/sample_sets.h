@@ -30,7 +30,6 @@ bool OfOneBody(const std::vector<MotionClip>& clips);
 /// The clips with the bones of one skeleton, as training reads them: a model draws on one, and poses of other bones are known by these, whatever
 /// the motion. @throws std::invalid_argument as Retarget().
 std::vector<MotionClip> OnBody(const std::vector<MotionClip>& clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs);
-StyledClips OnBody(StyledClips clips, const std::shared_ptr<const Skeleton>& skeleton, int jobs);
 
 /// All clips, style after style.
 std::vector<MotionClip> Joined(const StyledClips& clips);

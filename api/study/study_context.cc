@@ -11,6 +11,7 @@
 #include "datasets/errors.h"
 #include "datasets/floor_leveling.h"
 #include "datasets/parallel_for.h"
+#include "datasets/retarget.h"
 
 namespace morphograph {
 namespace {
@@ -109,7 +110,11 @@ std::shared_ptr<const MotionGraph> StudyContext::Learn(StudyData data, const std
   int source = -1;
   for (AugmentedClip& copy : Augment(Captured(data, which), options_.augmentation, options_.jobs)) {
     if (!copy.made) ++source;  // its copies follow
-    training.push_back({std::move(copy.clip), copy.made, source});
+    try {
+      training.push_back({Retarget(copy.clip, body()), copy.made, source});
+    } catch (const std::invalid_argument& unfit) {
+      throw DatasetError(copy.clip.name, "cannot be put on the skeleton of " + loaded_.front().clip.name + ": " + ReasonOf(unfit));
+    }
   }
   return BuildGraph(training, Training(options));
 }

@@ -52,6 +52,8 @@ class StudyContext {
   const std::vector<LoadedClip>& loaded() const { return loaded_; }
   /// The same clips on a level floor (as training sees them); noisy ones have the noise of the options.
   const std::vector<MotionClip>& clips(StudyData data) const;
+  /// The skeleton of the first clip, which every model of the study draws on, whatever clips it is learned from.
+  const std::shared_ptr<const Skeleton>& body() const { return loaded_.front().clip.shared_skeleton(); }
   /// Names of the styles, sorted; one empty name where the data has none.
   const std::vector<std::string>& styles() const { return styles_; }
 
