@@ -46,6 +46,7 @@ ReconstructionBody ParseReconstructionBody(std::string_view text) {
     findings.Malformed("/sensors", "required: rate, placements and readings");
   }
   if (const nlohmann::json* alignment = reader.Object("alignment")) body.request.alignment = ReadAlignment(*alignment, &findings);
+  if (reader.Has("low_pass")) body.request.low_pass_hz = reader.Bounded("low_pass", {0.5, 1000, "Hz"}).value_or(0);
   body.request.source = "/sensors/readings";
   if (const nlohmann::json* output = reader.Object("output")) {
     body.output = ReadOutputFormat(*output, &findings);

@@ -15,7 +15,8 @@ namespace morphograph {
 ///
 /// In: `{"time": 0.02, "readings": [ax, ay, az, …]}`, three numbers a sensor, null where lost. Out, one line a frame at kReconstructionRate_hz:
 /// `{"time": 0.0333, "root": [x, y, z], "rotations": {"Hips": [w, x, y, z], …}}`: the moving root's place (m, from the origin, facing +Z at first) and every joint's
-/// rotation from its parent, the moving root's in the world.
+/// rotation from its parent, the moving root's in the world. A line has "notes" where something was found since the line before: units, gaps, sensors that die or live
+/// again; the last line has what was replaced, passed over or clipped. In place of a dead accelerometer the method is told what such a one reads on the average in its recordings.
 class ReconstructionStream {
  public:
   /// @throws UnsatisfiableRequest ("/method") for kGraph, which needs all readings at once.
@@ -24,16 +25,18 @@ class ReconstructionStream {
   /// Lines that are now due, each with its end of line; empty while the stream settles (LiveRepair). Blank lines are passed over.
   /// @throws ProblemError (400) naming what is wrong with the line.
   std::string Push(std::string_view line);
-  /// What is still due at the end.
+  /// What is still due at the end. @throws ProblemError (400) where nothing can be made of what came.
   std::string Finish();
 
  private:
-  std::string Lines(const std::vector<Eigen::VectorXd>& samples);
+  std::string Lines(const std::vector<Eigen::VectorXd>& samples, bool last);
 
   std::shared_ptr<const Reconstructor> reconstructor_;
   std::unique_ptr<PoseEstimator> estimator_;
   LiveRepair repair_;
   PoseAssembler assembler_;
+  Eigen::VectorXd usual_;  // readings, mean over the recordings; empty for markers
+  std::size_t told_ = 0;   // notes
   std::int64_t frames_ = 0;
 };
 

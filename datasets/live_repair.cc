@@ -1,7 +1,9 @@
 #include "datasets/live_repair.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
@@ -19,13 +21,21 @@ constexpr double kMeanOver_s = 5;
 constexpr std::size_t kLeastWaiting = 10, kMostWaiting = 100'000;
 constexpr double kSpikeOfMean = 12, kLeastSpike_m_s2 = 40, kLeastMarkerSpike_m = 0.1;
 constexpr double kMoving_m_s2 = 0.5;
+constexpr double kLeastPlateau_m_s2 = 12;  // above gravity at rest
+constexpr int kLeastPlateauSamples = 3;
+
+std::string Text(const char* format, double a, double b = 0) {
+  char text[120];
+  std::snprintf(text, sizeof text, format, a, b);
+  return text;
+}
 
 }  // namespace
 
 class LiveRepair::Stream {
  public:
-  Stream(int sensors, const LiveRepairOptions& options)
-      : options_(options), markers_(options.kind == ReadingsKind::kMarkers), sensors_(static_cast<std::size_t>(sensors)) {}
+  Stream(std::vector<std::string> names, const LiveRepairOptions& options)
+      : options_(options), markers_(options.kind == ReadingsKind::kMarkers), names_(std::move(names)), sensors_(names_.size()) {}
 
   std::vector<Eigen::VectorXd> Push(double time_s, const Eigen::VectorXd& values) {
     if (values.size() != 3 * static_cast<Eigen::Index>(sensors_.size())) throw std::invalid_argument("LiveRepair: expected 3 values a sensor");
@@ -36,8 +46,9 @@ class LiveRepair::Stream {
       return due;
     }
     if (any_ && time_s - last_s_ > kLongestSilence_s) {
-      due = Finish();
-      Restart();
+      if (!settled_) RefuseSteps(time_s - last_s_);
+      due = Rest();
+      Restart(time_s - last_s_);
     }
     if (!any_) first_s_ = time_s;
     any_ = true;
@@ -51,14 +62,17 @@ class LiveRepair::Stream {
       Add(time_s, values);
     }
     for (Eigen::VectorXd& result : Due(time_s - Delay())) due.push_back(std::move(result));
+    TellDead();
     Forget();
     return due;
   }
 
   std::vector<Eigen::VectorXd> Finish() {
-    if (!any_) return {};
-    if (!settled_) Settle();
-    return Due(last_s_);
+    std::vector<Eigen::VectorXd> due = Rest();
+    TellDead();
+    for (std::size_t s = 0; s < sensors_.size(); ++s) TellCounts(s);
+    if (late_samples > 0) notes.push_back(Text("%.0f samples came after later ones and were passed over", static_cast<double>(late_samples)));
+    return due;
   }
 
   double Delay() const {
@@ -70,10 +84,7 @@ class LiveRepair::Stream {
   std::vector<int> Dead() const {
     std::vector<int> dead;
     for (std::size_t s = 0; s < sensors_.size(); ++s) {
-      const Sensor& sensor = sensors_[s];
-      const bool silent = sensor.heard == 0 || last_s_ - sensor.last_heard_s > options_.dead_after_s;
-      const bool stuck = !markers_ && last_s_ - sensor.last_change_s > options_.dead_after_s && OtherMoves(s);
-      if (settled_ && (silent || stuck || !sensor.has_gravity)) dead.push_back(static_cast<int>(s));
+      if (CauseOfDeath(s)) dead.push_back(static_cast<int>(s));
     }
     return dead;
   }
@@ -90,16 +101,66 @@ class LiveRepair::Stream {
     double last_heard_s = -std::numeric_limits<double>::infinity();
     double last_change_s = 0;
     double mean_norm = 0, mean_norm_square = 0;
-    bool has_gravity = true;
+    bool has_gravity = true, told_dead = false;
+    std::int64_t wild = 0;
+    std::array<double, 6> extremes = {};  // greatest of each axis, then of its opposite
+    std::array<int, 6> at_extreme = {};   // samples that say exactly so
   };
 
   bool Averages() const { return !markers_ && 1 / step_s_ > 1.05 * options_.rate_hz; }
 
-  void Restart() {
-    notes.emplace_back("nothing came for more than 10 s; the clock was started anew");
+  std::vector<Eigen::VectorXd> Rest() {
+    if (!any_) return {};
+    if (!settled_) Settle();
+    return Due(last_s_);
+  }
+
+  [[noreturn]] static void RefuseSteps(double step_s) {
+    throw std::invalid_argument(Text("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", step_s));
+  }
+
+  void Restart(double silence_s) {
+    notes.push_back(Text("nothing came for %.0f s; the clock was started anew: the frames that follow are later by as much than their times say", silence_s));
     settled_ = any_ = false;
-    sensors_.assign(sensors_.size(), Sensor());
+    for (Sensor& sensor : sensors_) {  // what is only counted is told at the end
+      Sensor anew;
+      anew.wild = sensor.wild;
+      anew.extremes = sensor.extremes;
+      anew.at_extreme = sensor.at_extreme;
+      sensor = std::move(anew);
+    }
     results_ = 0;
+  }
+
+  // Null for a sensor that is of use at this moment.
+  const char* CauseOfDeath(std::size_t s) const {
+    const Sensor& sensor = sensors_[s];
+    if (!settled_) return nullptr;
+    if (sensor.heard == 0) return "says nothing";
+    if (!sensor.has_gravity) return "shows no gravity, or in another unit than the others";
+    if (last_s_ - sensor.last_heard_s > options_.dead_after_s) return "has gone silent";
+    if (!markers_ && last_s_ - sensor.last_change_s > options_.dead_after_s && OtherMoves(s)) return "says the same all the time while others move";
+    return nullptr;
+  }
+
+  void TellDead() {
+    for (std::size_t s = 0; s < sensors_.size(); ++s) {
+      Sensor& sensor = sensors_[s];
+      const char* cause = CauseOfDeath(s);
+      if ((cause != nullptr) == sensor.told_dead) continue;
+      sensor.told_dead = cause != nullptr;
+      notes.push_back("'" + names_[s] + "' " + (cause ? std::string(cause) + Text("; it is left out from %.2f s on", last_s_) : Text("is of use again from %.2f s on", last_s_)));
+    }
+  }
+
+  void TellCounts(std::size_t s) {
+    const Sensor& sensor = sensors_[s];
+    if (sensor.wild > 0) notes.push_back("'" + names_[s] + Text("': %.0f wild samples were replaced", static_cast<double>(sensor.wild)));
+    for (std::size_t side = 0; side < sensor.extremes.size(); ++side) {
+      if (markers_ || sensor.extremes[side] < kLeastPlateau_m_s2 || sensor.at_extreme[side] < kLeastPlateauSamples) continue;
+      notes.push_back("'" + names_[s] + Text("' is clipped at %.1f m/s^2; what was beyond is not known", sensor.extremes[side]));
+      break;
+    }
   }
 
   void Settle() {
@@ -126,6 +187,10 @@ class LiveRepair::Stream {
       if (track.step_s > 0) step_s_ = std::min(step_s_, track.step_s);
     }
     if (!std::isfinite(step_s_)) step_s_ = 1 / options_.rate_hz;
+    if (step_s_ > kLongestStep_s) RefuseSteps(step_s_);
+    if (!markers_ && unit_ == 1) {
+      if (const double least = LeastMean(tracks); least > kMostMean_m_s2) notes.push_back(OddLengths(least));
+    }
     for (std::size_t s = 0; s < tracks.size(); ++s) sensors_[s].track.step_s = tracks[s].step_s > 0 ? tracks[s].step_s : step_s_;
     settled_ = true;
     for (std::size_t i = 0; i < waiting_.size(); ++i) Add(waiting_times_[i], waiting_[i]);
@@ -139,8 +204,12 @@ class LiveRepair::Stream {
       const Eigen::Vector3d value = unit_ * values.segment<3>(3 * static_cast<Eigen::Index>(s));
       if (!value.allFinite()) continue;
       if (!markers_ && value.cwiseAbs().maxCoeff() > kWidestRange_m_s2) {
-        ++wild_samples;
+        ++wild_samples, ++sensor.wild;
         continue;
+      }
+      // A gap is told when it ends, but for a sensor that was told dead.
+      if (sensor.heard > 0 && !sensor.told_dead && time_s - sensor.last_heard_s - sensor.track.step_s > options_.told_gap_s) {
+        notes.push_back("'" + names_[s] + Text("' was silent from %.2f s to %.2f s; ", sensor.last_heard_s, time_s) + (markers_ ? "held" : "filled with its mean"));
       }
       if (sensor.track.empty() || value != sensor.track.values.back()) sensor.last_change_s = time_s;
       sensor.last_heard_s = time_s;
@@ -163,10 +232,19 @@ class LiveRepair::Stream {
     const SpikeMeasure measure = MeasureSpike(track, samples - 2, 1);
     const double threshold = std::max(markers_ ? kLeastMarkerSpike_m : kLeastSpike_m_s2, kSpikeOfMean * sensor->mean_height);
     if (IsSpike(measure, 1, threshold)) {
-      ++wild_samples;
+      ++wild_samples, ++sensor->wild;
       track.times_s.erase(track.times_s.end() - 2);
       track.values.erase(track.values.end() - 2);
       return;
+    }
+    for (std::size_t side = 0; side < sensor->extremes.size(); ++side) {
+      const double value = (side < 3 ? 1 : -1) * track.values[samples - 2][static_cast<Eigen::Index>(side % 3)];
+      if (value > sensor->extremes[side] * (1 + 1e-6)) {
+        sensor->extremes[side] = value;
+        sensor->at_extreme[side] = 1;
+      } else if (value > sensor->extremes[side] * (1 - 1e-6)) {
+        ++sensor->at_extreme[side];
+      }
     }
     sensor->mean_height += std::max(1 / sensor->heard, track.step_s / kMeanOver_s) * (measure.height - sensor->mean_height);
   }
@@ -224,6 +302,7 @@ class LiveRepair::Stream {
 
   LiveRepairOptions options_;
   bool markers_;
+  std::vector<std::string> names_;
   std::vector<Sensor> sensors_;
   std::vector<double> waiting_times_;  // before it has settled
   std::vector<Eigen::VectorXd> waiting_;
@@ -232,13 +311,13 @@ class LiveRepair::Stream {
   std::int64_t results_ = 0;
 };
 
-LiveRepair::LiveRepair(int sensors, const LiveRepairOptions& options) {
-  if (sensors < 1 || sensors > 500) throw std::invalid_argument("LiveRepair: 1 to 500 sensors");
+LiveRepair::LiveRepair(std::vector<std::string> sensors, const LiveRepairOptions& options) {
+  if (sensors.empty() || sensors.size() > 500) throw std::invalid_argument("LiveRepair: 1 to 500 sensors");
   if (!(options.rate_hz >= 1 && options.rate_hz <= 1000)) throw std::invalid_argument("LiveRepair: rate must be within [1, 1000] Hz");
   if (!(options.longest_bridge_s >= 0 && options.longest_bridge_s <= 1)) throw std::invalid_argument("LiveRepair: bridge must be within [0, 1] s");
   if (!(options.settle_s >= 0 && options.settle_s <= 10)) throw std::invalid_argument("LiveRepair: settle must be within [0, 10] s");
-  if (!(options.dead_after_s > 0)) throw std::invalid_argument("LiveRepair: dead_after must be positive");
-  stream_ = std::make_unique<Stream>(sensors, options);
+  if (!(options.dead_after_s > 0 && options.told_gap_s >= 0)) throw std::invalid_argument("LiveRepair: dead_after must be positive, told_gap not negative");
+  stream_ = std::make_unique<Stream>(std::move(sensors), options);
 }
 LiveRepair::~LiveRepair() = default;
 

@@ -90,6 +90,7 @@ class StreamRepair {
     } else {
       out_.unit_factor = AccelerationUnit(tracks_);
       if (out_.unit_factor == kGravityOfUnits_m_s2) out_.notes.emplace_back("the readings are in g, not m/s^2: at rest they are 1; scaled by 9.81");
+      if (const double least = LeastMean(tracks_); out_.unit_factor == 1 && least > kMostMean_m_s2) out_.notes.push_back(OddLengths(least));
       if (out_.unit_factor == kGravityOfUnits_m_s2 / 1000) out_.notes.emplace_back("the readings are in mg, not m/s^2: at rest they are 1000; scaled by 0.00981");
     }
     for (SensorTrack& track : tracks_) {
@@ -119,6 +120,7 @@ class StreamRepair {
     double fastest_s = std::numeric_limits<double>::infinity();
     for (const int s : living_) fastest_s = std::min(fastest_s, Track(s).step_s);
     native_hz_ = 1 / fastest_s;
+    if (fastest_s > kLongestStep_s) throw DatasetError(source_, Text("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", fastest_s));
     if (span_s_ * native_hz_ * 3 * in_.sensor_count() > kMostValues) throw DatasetError(source_, Text("the time stamps span %.0f s at %.0f samples a second: too many", span_s_, native_hz_));
   }
 
@@ -195,12 +197,13 @@ class StreamRepair {
         double top = 0;
         for (const Eigen::Vector3d& value : track.values) top = std::max(top, sign * value[axis]);
         if (top < kLeastPlateau_m_s2) continue;
-        // One sample at the top is a peak; a plateau has two or more side by side.
+        // One sample at the top is a peak; a plateau has two or more side by side, or, of short blows, the very same top again and again.
+        const auto same = std::count_if(track.values.begin(), track.values.end(), [&](const Eigen::Vector3d& value) { return sign * value[axis] == top; });
         const auto at_top = [&](std::size_t i) { return sign * track.values[i][axis] > top * (1 - 1e-6); };
         std::vector<std::size_t> plateau;
         for (std::size_t i = 0; i < track.values.size(); ++i) {
           const bool beside = (i > 0 && at_top(i - 1)) || (i + 1 < track.values.size() && at_top(i + 1));
-          if (at_top(i) && beside) plateau.push_back(i);
+          if (at_top(i) && (beside || same >= kLeastPlateauSamples)) plateau.push_back(i);
         }
         if (static_cast<int>(plateau.size()) < kLeastPlateauSamples) continue;
         for (const std::size_t i : plateau) clipped[i] = 1;

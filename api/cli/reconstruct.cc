@@ -24,7 +24,7 @@ namespace {
 
 struct ReconstructFlags {
   std::string model, method, input, placements, out, report, truth, channels = "portable", unit = "source";
-  double frame_rate_hz = 0;
+  double frame_rate_hz = 0, low_pass_hz = 0;
   int jobs = 0;
   bool stream = false, align = false;
   std::vector<double> standing_s;  // from, to
@@ -53,19 +53,26 @@ void ReconstructLive(const ReconstructFlags& flags, const std::shared_ptr<const 
   const int jobs = flags.jobs > 0 ? flags.jobs : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
   ReconstructionStream stream(MakeReconstructor(graph, method, placements, jobs));
   std::string line;
-  for (int number = 1; std::getline(std::cin, line); ++number) {
+  int number = 0;
+  const auto write = [&](auto lines) {
     try {
-      std::cout << stream.Push(line) << std::flush;
+      std::cout << lines() << std::flush;
     } catch (const ProblemError& error) {
       throw DatasetError("standard input", number, 0, ProblemLine(error.problem()));
     }
+  };
+  while (std::getline(std::cin, line)) {
+    ++number;
+    write([&] { return stream.Push(line); });
   }
-  std::cout << stream.Finish();
+  write([&] { return stream.Finish(); });
 }
 
 void Reconstruct(const ReconstructFlags& flags) {
   if (flags.stream ? flags.placements.empty() || !flags.input.empty() || !flags.out.empty() : flags.input.empty() || flags.out.empty())
     throw UsageError(flags.stream ? "reconstruct: --stream takes --placements, and neither --input nor --out" : "reconstruct: give --input and --out, or --stream");
+  if (flags.stream && (!flags.report.empty() || !flags.truth.empty() || flags.low_pass_hz > 0))
+    throw UsageError("reconstruct: --report, --truth and --low-pass need all readings at once; with --stream what was lost stands in the lines' \"notes\"");
   if (flags.stream && flags.align) throw UsageError("reconstruct: --align needs all readings at once; it does not go with --stream");
   if (!flags.standing_s.empty() && !(flags.standing_s[0] < flags.standing_s[1])) throw UsageError("reconstruct: --standing must end after it begins");
   if (!flags.report.empty() && IsSameFile(flags.out, flags.report)) throw UsageError("reconstruct: --out and --report name the same file");
@@ -82,6 +89,7 @@ void Reconstruct(const ReconstructFlags& flags) {
                                             : "holds positions of markers; --method " + flags.method + " takes accelerations");
   }
   request.readings = std::move(recorded.readings);
+  request.low_pass_hz = flags.low_pass_hz;
   if (flags.align) request.alignment.emplace();
   if (!flags.standing_s.empty()) request.alignment->standing = StandingPhase{flags.standing_s[0], flags.standing_s[1]};
   if (!flags.placements.empty()) request.placements = ReadPlacements(flags.placements);
@@ -122,6 +130,7 @@ void AddReconstruct(CLI::App* program, Work* work) {
   verb->add_flag("--stream", flags->stream, "Readings as lines of JSON on standard input, poses as lines of JSON on standard output, frame by frame");
   CLI::Option* align = verb->add_flag("--align", flags->align, "Find how the sensors sit from a stretch of the readings in which their wearer stands");
   verb->add_option("--standing", flags->standing_s, "With --align: when that is, FROM,TO in seconds of the readings' time; found when absent")->delimiter(',')->expected(2)->needs(align);
+  verb->add_option("--low-pass", flags->low_pass_hz, "Smooth the readings first: cut-off in Hz; none when absent")->check(CLI::Range(0.5, 1000.0));
   verb->add_option("--report", flags->report, "Where the report goes");
   verb->add_option("--truth", flags->truth, "BVH of the true motion, to tell errors against");
   verb->add_option("--frame-rate", flags->frame_rate_hz, "Frames per second of the clip; 30 when absent")->check(CLI::Range(1.0, 240.0));

@@ -25,8 +25,8 @@ struct VirtualFlags {
 
 void AddFaultFlags(CLI::App* verb, VirtualFlags* flags, const char* unit) {
   const std::string in_unit = std::string(", ") + unit;
-  verb->add_option("--noise", flags->faults.noise, "White noise on every value, standard deviation" + in_unit)->check(CLI::NonNegativeNumber);
-  verb->add_option("--bias", flags->faults.bias, "Constant error of every axis, standard deviation" + in_unit)->check(CLI::NonNegativeNumber);
+  verb->add_option("--noise", flags->faults.noise, "White noise on every value, standard deviation" + in_unit)->check(CLI::Range(0.0, 1e9));
+  verb->add_option("--bias", flags->faults.bias, "Constant error of every axis, standard deviation" + in_unit)->check(CLI::Range(0.0, 1e9));
   verb->add_option("--loss", flags->faults.loss, "Chance that a sample of a sensor is lost")->check(CLI::Range(0.0, 0.99));
   verb->add_option("--seed", flags->seed, "Of these faults; 64-bit unsigned integer")->capture_default_str();
 }
@@ -98,8 +98,8 @@ void AddSensors(CLI::App* program, Work* work) {
   verb->add_option("--rate", flags->rate_hz, "Samples a second")->required()->check(CLI::Range(1.0, 2000.0));
   verb->add_option("--out", flags->out, "CSV file to write")->required();
   AddFaultFlags(verb, flags.get(), "m/s^2");
-  verb->add_option("--mounting", flags->mounting_deg, "Sensors sit askew: standard deviation of the angle, degrees")->check(CLI::NonNegativeNumber);
-  verb->add_option("--range", flags->faults.range, "Values are clipped at plus and minus this, m/s^2; 0: not")->check(CLI::NonNegativeNumber);
+  verb->add_option("--mounting", flags->mounting_deg, "Sensors sit askew: standard deviation of the angle, degrees")->check(CLI::Range(0.0, 1e9));
+  verb->add_option("--range", flags->faults.range, "Values are clipped at plus and minus this, m/s^2; 0: not")->check(CLI::Range(0.0, 1e9));
   verb->callback([flags, work] { *work = [flags] { MakeSensors(*flags); }; });
 }
 

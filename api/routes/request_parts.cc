@@ -8,7 +8,7 @@ namespace morphograph {
 const std::string& ClipRequestText(const HttpRequest& request) {
   const std::string_view type = MediaTypeOf(request.Header("Content-Type"));
   if (!type.empty() && !EqualsIgnoringCase(type, "application/json"))
-    throw ProblemError(415, "a clip request is application/json, not " + Excerpt(type));
+    throw ProblemError(415, "the request is read as application/json, not " + Excerpt(type));
   return request.body;
 }
 

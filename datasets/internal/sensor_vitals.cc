@@ -44,6 +44,22 @@ double AccelerationUnit(const std::vector<SensorTrack>& tracks) {
   return best;
 }
 
+double LeastMean(const std::vector<SensorTrack>& tracks) {
+  double least = 0;
+  for (const SensorTrack& track : tracks) {
+    if (track.empty() || !IsLikeGravity(track.MedianNorm())) continue;
+    const double mean = track.Mean().norm();
+    if (least == 0 || mean < least) least = mean;
+  }
+  return least;
+}
+
+std::string OddLengths(double least_mean) {
+  char text[120];
+  std::snprintf(text, sizeof text, "the readings of every sensor are %.0f m/s^2 or more on the average, where gravity is 9.81; are they in m/s^2?", least_mean);
+  return text;
+}
+
 std::vector<std::string> CausesOfDeath(const std::vector<SensorTrack>& tracks, bool markers, double span_s) {
   std::vector<std::string> causes(tracks.size());
   bool any_moves = false;
@@ -67,7 +83,9 @@ std::vector<std::string> CausesOfDeath(const std::vector<SensorTrack>& tracks, b
       continue;
     }
     const double norm = track.MedianNorm();
-    if (!IsLikeGravity(norm)) {
+    if (!std::isfinite(norm)) {
+      causes[s] = "shows no gravity: its readings are beyond all measure";
+    } else if (!IsLikeGravity(norm)) {
       std::snprintf(text, sizeof text, "shows no gravity: its readings are %.3g m/s^2 long", norm);
       causes[s] = text;
     } else if (track.Mean().norm() < kLeastSteadiness * norm) {

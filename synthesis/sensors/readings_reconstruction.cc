@@ -133,6 +133,7 @@ ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const Recons
   StreamRepairOptions options;
   options.kind = request.method == ReconstructionMethod::kMarkers ? ReadingsKind::kMarkers : ReadingsKind::kAccelerations;
   options.rate_hz = kReconstructionRate_hz;
+  options.cutoff_hz = request.low_pass_hz;
   ReconstructedReadings result;
   result.repaired = RepairStream(request.readings, options, request.source);
   const Readings& readings = result.repaired.readings;

@@ -17,6 +17,7 @@ struct ReconstructionRequest {
   Readings readings;
   std::vector<Placement> placements;   // by name; sensors without one sit at the joint that they are called after
   std::optional<AlignmentRequest> alignment = std::nullopt;  // empty: sensors sit as they are told to; times are those of the readings
+  double low_pass_hz = 0;              // of the readings, before anything is made of them; 0: none
   std::string source = "readings";     // the file, for messages
 };
 

@@ -2,7 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <sstream>
@@ -22,6 +24,7 @@ namespace {
 using nlohmann::json;
 using testing::RawResponse;
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 class ReconstructionRoutesTest : public ::testing::Test {
  protected:
@@ -104,6 +107,17 @@ TEST_F(ReconstructionRoutesTest, NamesWhatWasLost) {
   EXPECT_NEAR(about.at("longest_gap").get<double>(), 0.5, 0.05);
   EXPECT_GT(about.at("lost").get<double>(), 0.05);
   EXPECT_FALSE(about.at("notes").empty());
+}
+
+TEST_F(ReconstructionRoutesTest, SmoothsReadingsOnRequest) {
+  json request = Request("olng");
+  const RawResponse plain = Post(request);
+  request["low_pass"] = 3;
+  const RawResponse smooth = Post(request);
+  ASSERT_EQ(smooth.status, 200) << smooth.body;
+  EXPECT_NE(smooth.body, plain.body);
+  request["low_pass"] = 0;
+  ExpectProblem(Post(request), 422, "/low_pass");
 }
 
 // The walk begins out of standing, so that sensors which sit askew can be set right.
@@ -256,10 +270,82 @@ TEST_F(ReconstructionRoutesTest, StreamsPosesForLinesOfReadings) {
   EXPECT_GT(std::hypot(poses.back()["root"][0].get<double>(), poses.back()["root"][2].get<double>()), 1.5);
 
   EXPECT_EQ(ask("{}\n").status, 400);
+  EXPECT_THAT(response.body, Not(HasSubstr("\"notes\"")));
   const RawResponse broken = ask(body.substr(0, body.find('\n', body.size() / 2) + 1) + "{\"time\": 99}\n");
   ASSERT_EQ(broken.status, 200);
   EXPECT_THAT(broken.body, HasSubstr("\"error\""));
   EXPECT_THAT(broken.body, HasSubstr("/readings"));
+}
+
+// What is lost on the way is told in the lines, and a dead sensor takes the poses of the others nowhere.
+TEST_F(ReconstructionRoutesTest, StreamsTellDamage) {
+  const json request = Request("olng");
+  const std::string head = json({{"model", "walk"}, {"method", "olng"}, {"placements", request["sensors"]["placements"]}}).dump() + "\n";
+  const auto poses_of = [&](const std::function<void(int, json*)>& damage, double tempo = 1) {
+    std::string body = head;
+    int n = 0;
+    for (json row : request["sensors"]["readings"]) {
+      damage(n, &row);
+      body += json({{"time", tempo * n++ / 60.0}, {"readings", row}}).dump() + "\n";
+    }
+    const RawResponse response = testing::Ask(app_->port, "POST", "/v1/reconstructions", "Content-Type: application/x-ndjson\r\nAccept: application/x-ndjson\r\n", body);
+    EXPECT_EQ(response.status, 200);
+    std::vector<json> poses;
+    std::istringstream lines(response.body);
+    for (std::string line; std::getline(lines, line);) poses.push_back(json::parse(line));
+    return poses;
+  };
+  const auto notes_of = [](const std::vector<json>& poses) {
+    std::string notes;
+    for (const json& pose : poses) {
+      for (const json& note : pose.value("notes", json::array())) notes += note.get<std::string>() + "\n";
+    }
+    return notes;
+  };
+  const auto set = [](json* row, int sensor, const json& value) {
+    for (std::size_t axis = 0; axis < 3; ++axis) (*row)[3 * static_cast<std::size_t>(sensor) + axis] = value;
+  };
+  const std::vector<json> sound = poses_of([](int, json*) {});
+  const auto apart_deg = [&](const std::vector<json>& poses) {  // mean over joints and frames
+    double sum = 0;
+    int count = 0;
+    for (std::size_t k = 0; k < std::min(poses.size(), sound.size()); ++k) {
+      for (const auto& [joint, q] : poses[k].at("rotations").items()) {
+        double dot = 0;
+        for (std::size_t i = 0; i < 4; ++i) dot += q[i].get<double>() * sound[k]["rotations"][joint][i].get<double>();
+        sum += 2 * std::acos(std::min(1.0, std::abs(dot))) * 180 / M_PI;
+        ++count;
+      }
+    }
+    return sum / count;
+  };
+  for (const json& dead : {json(nullptr), json(0)}) {
+    const std::vector<json> poses = poses_of([&](int, json* row) { set(row, 1, dead); });
+    EXPECT_THAT(notes_of(poses), HasSubstr("'right_wrist' "));
+    EXPECT_THAT(notes_of(poses), HasSubstr("it is left out from"));
+    EXPECT_EQ(poses.size(), sound.size());
+    EXPECT_LT(apart_deg(poses), 3);
+  }
+  const std::vector<json> gap = poses_of([&](int n, json* row) {
+    for (int s = 0; n >= 120 && n < 150 && s < 4; ++s) set(row, s, nullptr);
+  });
+  EXPECT_THAT(notes_of(gap), HasSubstr("'left_ankle' was silent from 1.98 s to 2.50 s"));
+  EXPECT_EQ(gap.size(), sound.size());
+  const auto spike = [&](int n, json* row) {
+    if (n % 60 == 30) set(row, 0, 120);
+  };
+  EXPECT_THAT(notes_of(poses_of(spike)), HasSubstr("wild samples were replaced"));
+  const auto clip = [&](int, json* row) {
+    for (json& value : *row) value = std::clamp(value.get<double>(), -14.0, 14.0);
+  };
+  EXPECT_THAT(notes_of(poses_of(clip)), HasSubstr("is clipped at 14.0 m/s^2"));
+  const auto in_feet = [&](int, json* row) {
+    for (json& value : *row) value = value.get<double>() / 0.3048;
+  };
+  EXPECT_THAT(notes_of(poses_of(in_feet)), HasSubstr("are they in m/s^2?"));
+  const std::vector<json> in_ms = poses_of([](int, json*) {}, 1000);
+  ASSERT_EQ(in_ms.size(), 1u);
+  EXPECT_THAT(in_ms.front().at("error").at("detail").get<std::string>(), HasSubstr("times are in seconds"));
 }
 
 }  // namespace

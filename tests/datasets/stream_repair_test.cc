@@ -205,6 +205,37 @@ TEST(StreamRepair, TellsClipping) {
   EXPECT_EQ(RepairStream(Clean()).clipped_share, 0);
 }
 
+// Blows at half the samples' distance touch the range for a sample each.
+TEST(StreamRepair, TellsClippingOfShortBlows) {
+  Readings readings = Clean();
+  for (int i = 50; i + 1 < readings.sample_count(); i += 70) {
+    readings.values.block(1, i - 1, 1, 3).setConstant(24);  // a blow of three samples, no spike
+    readings.values(1, i) = 29.43;
+  }
+  EXPECT_THAT(AllNotes(RepairStream(readings)), HasSubstr("is clipped at 29.4 m/s^2"));
+}
+
+TEST(StreamRepair, DoubtsTimesAndUnitsThatCannotBe) {
+  Readings readings = Clean();
+  for (double& time_s : readings.times_s) time_s *= 1000;
+  EXPECT_THROW(RepairStream(readings), DatasetError);
+  readings = Clean();
+  readings.values /= 0.3048;
+  EXPECT_THAT(AllNotes(RepairStream(readings)), HasSubstr("are they in m/s^2?"));
+}
+
+// All kinds of motion that there are: none is taken for readings in another unit.
+TEST(StreamRepair, DoubtsNoRecordedMotion) {
+  MORPHOGRAPH_REQUIRE_SHARED_DATA();
+  const std::vector<Placement> sensors = PlacementsAtJoints({"left_wrist", "right_wrist", "left_ankle", "right_ankle", "hips"});
+  for (const char* folder : {"bnr/dataset-2/run", "cmu/09", "cmu/05", "cmu/131"}) {
+    for (const LoadedClip& loaded : LoadDataset({testing::SharedData() / folder}).clips) {
+      if (loaded.clip.duration_s() < 0.5) continue;
+      EXPECT_THAT(AllNotes(RepairStream(VirtualAccelerations(loaded.clip, sensors, 60))), Not(HasSubstr("are they in m/s^2?"))) << loaded.clip.name;
+    }
+  }
+}
+
 TEST(StreamRepair, FindsUnits) {
   for (const double factor : {1 / 9.81, 1000 / 9.81}) {
     Readings readings = Clean();
@@ -368,7 +399,7 @@ Eigen::MatrixXd Live(const Readings& readings, LiveRepair* repair, double* slowe
 }
 
 TEST(LiveRepair, SaysWhatTheWholeStreamsRepairSays) {
-  LiveRepair repair(4);
+  LiveRepair repair({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});
   double slowest_s = 0;
   const Eigen::MatrixXd live = Live(Clean(), &repair, &slowest_s);
   StreamRepairOptions options;
@@ -390,7 +421,7 @@ TEST(LiveRepair, BearsLossSpikesUnitsAndLateSamples) {
   for (int i = 40; i < readings.sample_count(); i += 90) readings.values.col(i).head<3>().setConstant(140);
   readings.values /= 9.81;
   readings.values.block(9, 200, 3, 400).setConstant(kNan);
-  LiveRepair repair(4);
+  LiveRepair repair({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});
   EXPECT_THAT(repair.Push(-1, readings.values.col(0)), IsEmpty());
   const Eigen::MatrixXd live = Live(readings, &repair);
   EXPECT_THAT(repair.notes(), Contains(HasSubstr("in g, not")));
@@ -402,7 +433,7 @@ TEST(LiveRepair, BearsLossSpikesUnitsAndLateSamples) {
 
 TEST(LiveRepair, KnowsWhichSensorsAreDeadAtThisMoment) {
   Readings readings = Clean();
-  LiveRepair repair(4);
+  LiveRepair repair({"left_wrist", "right_wrist", "left_ankle", "right_ankle"});
   for (int i = 0; i < 450; ++i) {
     Eigen::VectorXd values = readings.values.col(i);
     if (i >= 150) values.segment<3>(3).setConstant(kNan);
@@ -418,7 +449,7 @@ TEST(LiveRepair, KnowsWhichSensorsAreDeadAtThisMoment) {
 }
 
 TEST(LiveRepair, StartsAnewAfterALongSilenceAndRefusesNonsense) {
-  LiveRepair repair(1);
+  LiveRepair repair({"wrist"});
   const Eigen::Vector3d rest(0, 9.81, 0);
   std::size_t results = 0;
   for (int i = 0; i < 100; ++i) results += repair.Push(i / 60.0, rest).size();
@@ -430,8 +461,8 @@ TEST(LiveRepair, StartsAnewAfterALongSilenceAndRefusesNonsense) {
   EXPECT_THAT(repair.notes(), Contains(HasSubstr("started anew")));
   EXPECT_THROW(repair.Push(2e6, Eigen::VectorXd::Zero(6)), std::invalid_argument);
   EXPECT_THROW(repair.Push(kNan, rest), std::invalid_argument);
-  EXPECT_THROW(LiveRepair(0), std::invalid_argument);
-  LiveRepair silent(1);
+  EXPECT_THROW(LiveRepair(std::vector<std::string>()), std::invalid_argument);
+  LiveRepair silent({"wrist"});
   EXPECT_THAT(silent.Finish(), IsEmpty());
   for (int i = 0; i < 100; ++i) {
     for (const Eigen::VectorXd& result : silent.Push(i / 60.0, Eigen::Vector3d::Constant(kNan))) EXPECT_TRUE(result.isZero());
