@@ -7,6 +7,7 @@
 #include <boost/property_tree/xml_parser.hpp>
 #include <boost/random/uniform_real_distribution.hpp>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -53,17 +54,24 @@ std::vector<std::string> TextsOf(const std::string& svg) {
 
 // Attribute `d` of the paths whose class begins with `kind`.
 std::vector<std::string> PathsOf(const std::string& svg, const std::string& kind) {
+  // std::regex recurses once a character: long paths overflow the stack of a build with sanitizers.
   std::vector<std::string> paths;
-  const std::regex pattern("<path class=\"" + kind + "[^\"]*\" d=\"([^\"]*)\"");
-  for (std::sregex_iterator match(svg.begin(), svg.end(), pattern), end; match != end; ++match) paths.push_back((*match)[1]);
+  const std::string begin = "<path class=\"" + kind, data = "\" d=\"";
+  for (std::size_t at = svg.find(begin); at != std::string::npos; at = svg.find(begin, at + 1)) {
+    const std::size_t quote = svg.find('"', at + begin.size());
+    if (quote == std::string::npos || svg.compare(quote, data.size(), data) != 0) continue;
+    const std::size_t from = quote + data.size();
+    paths.push_back(svg.substr(from, svg.find('"', from) - from));
+  }
   return paths;
 }
 
 std::vector<std::pair<double, double>> PointsOf(const std::string& path) {
   std::vector<std::pair<double, double>> points;
-  const std::regex pattern("[ML](-?[0-9.]+),(-?[0-9.]+)");
-  for (std::sregex_iterator match(path.begin(), path.end(), pattern), end; match != end; ++match)
-    points.emplace_back(std::stod((*match)[1]), std::stod((*match)[2]));
+  for (std::size_t at = path.find_first_of("ML"); at != std::string::npos; at = path.find_first_of("ML", at + 1)) {
+    double x = 0, y = 0;
+    if (std::sscanf(path.c_str() + at + 1, "%lf,%lf", &x, &y) == 2) points.emplace_back(x, y);
+  }
   return points;
 }
 

@@ -52,7 +52,7 @@ class RawConnection {
   }
 
   /// Reads one whole answer; empty when the connection ends or `timeout_ms` passes first.
-  std::optional<RawResponse> Read(int timeout_ms = 10'000, bool head_only = false) {
+  std::optional<RawResponse> Read(int timeout_ms = 60'000, bool head_only = false) {
     std::size_t end;
     while ((end = pending_.find("\r\n\r\n")) == std::string::npos)
       if (!Fill(timeout_ms)) return std::nullopt;
