@@ -12,6 +12,9 @@
 #include "datasets/marker_set.h"
 #include "datasets/resample.h"
 #include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/marker_selection.h"
+#include "synthesis/sensors/marker_tracks.h"
+#include "synthesis/sensors/motion_base.h"
 
 namespace morphograph {
 namespace {
@@ -21,6 +24,7 @@ struct VirtualFlags {
   double rate_hz = 0;
   SensorFaults faults;
   double mounting_deg = 0;
+  int principal = 0;
 };
 
 void AddFaultFlags(CLI::App* verb, VirtualFlags* flags, const char* unit) {
@@ -73,6 +77,16 @@ void MakeSensors(const VirtualFlags& flags) {
   WriteReadings(flags, WithFaultsOf(flags, readings), placements);
 }
 
+// Of these the few that say most of the others (Liu 3.1.1), as they move in the clip and its mirror image.
+std::vector<Placement> PrincipalOf(const VirtualFlags& flags, const MotionClip& clip, const std::vector<Placement>& placements) {
+  const MotionBase base({clip}, {}, {});
+  MarkerSelectionOptions options;
+  options.count = flags.principal;
+  std::vector<Placement> chosen;
+  for (const int m : PrincipalMarkers(MarkerTracks(base, placements), options)) chosen.push_back(placements[static_cast<std::size_t>(m)]);
+  return chosen;
+}
+
 void MakeMarkers(const VirtualFlags& flags) {
   MotionClip clip = ReadClip(flags);
   std::vector<Placement> placements;
@@ -81,6 +95,7 @@ void MakeMarkers(const VirtualFlags& flags) {
   } else {
     placements = OfClip(flags, clip, {}, [&] { return FullBodyMarkers({clip}); });
   }
+  if (flags.principal > 0) placements = OfClip(flags, clip, placements, [&] { return PrincipalOf(flags, clip, placements); });
   const Readings readings = OfClip(flags, clip, placements, [&] {
     if (flags.rate_hz > 0) clip = Resample(clip, flags.rate_hz);
     return VirtualMarkers(clip, placements);
@@ -110,6 +125,7 @@ void AddMarkers(CLI::App* program, Work* work) {
   verb->add_option("--placements", flags->placements, "Where the markers sit, JSON; a usual set of 41 when absent");
   verb->add_option("--rate", flags->rate_hz, "Samples a second; the clip's own when absent")->check(CLI::Range(1.0, 2000.0));
   verb->add_option("--out", flags->out, "CSV file to write")->required();
+  verb->add_option("--principal", flags->principal, "Only so many, those that say most of the others")->check(CLI::Range(1, 500));
   verb->add_option("--write-placements", flags->write_placements, "File for the placements that were used, JSON");
   AddFaultFlags(verb, flags.get(), "m");
   verb->callback([flags, work] { *work = [flags] { MakeMarkers(*flags); }; });

@@ -9,6 +9,8 @@
 #include "datasets/marker_units.h"
 #include "datasets/quantile.h"
 #include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/marker_selection.h"
+#include "synthesis/sensors/marker_tracks.h"
 #include "synthesis/unsatisfiable_request.h"
 
 namespace morphograph {
@@ -19,6 +21,8 @@ constexpr double kAlike = 3.5;
 constexpr double kLeastGravity_m_s2 = 6, kMostGravity_m_s2 = 22;  // medians over windows, of sensors that are shaken too
 constexpr Eigen::Index kWindows = 8;
 constexpr double kTallest_m = 2.6, kDeepest_m = -0.5;
+// Of more markers the principal ones are taken: time and memory of learning grow with the square of their number, and the others add little.
+constexpr std::size_t kMostMarkers = 12;
 
 // What a sensor or marker says on the whole, in the readings' own unit.
 struct TypicalReading {
@@ -84,6 +88,22 @@ void CheckKind(const Readings& readings, bool markers, const std::string& source
     throw DatasetError(source, "the values look like positions of markers, not like accelerations, which all hold gravity and are about 9.81 m/s^2 long; the method 'markers' takes positions");
 }
 
+// Positions among `living` (3 * markers x frames) of the markers that say most of the others, seen from the frame that all define.
+std::vector<int> PrincipalOf(const Eigen::MatrixXd& living) {
+  const Eigen::Index markers = living.rows() / 3;
+  Eigen::Matrix3Xd usual(3, markers);
+  for (Eigen::Index m = 0; m < markers; ++m) usual.col(m) = living.col(0).segment<3>(3 * m);
+  const MarkerFrame frame(usual);
+  Eigen::MatrixXf tracks(living.rows(), living.cols());
+  for (Eigen::Index f = 0; f < living.cols(); ++f) {
+    const MarkerFrame::Place place = frame.Fit(living.col(f));
+    for (Eigen::Index m = 0; m < markers; ++m) tracks.col(f).segment<3>(3 * m) = place.Into(living.col(f).segment<3>(3 * m)).cast<float>();
+  }
+  MarkerSelectionOptions options;
+  options.count = static_cast<int>(kMostMarkers);
+  return PrincipalMarkers(tracks, options);
+}
+
 std::string Decimal(double value) {
   char text[32];
   std::snprintf(text, sizeof text, "%.2f", value);
@@ -145,6 +165,19 @@ ReconstructedReadings ReconstructReadings(const MotionGraph& graph, const Recons
     for (int axis = 0; axis < 3; ++axis) rows.push_back(3 * static_cast<Eigen::Index>(s) + axis);
   }
   Eigen::MatrixXd living = readings.values(rows, Eigen::all);
+  if (request.method == ReconstructionMethod::kMarkers && result.sensors.size() > kMostMarkers) {
+    std::vector<std::string> names;
+    std::vector<Eigen::Index> kept;
+    std::string told;
+    for (const int m : PrincipalOf(living)) {
+      names.push_back(result.sensors[static_cast<std::size_t>(m)]);
+      told += (told.empty() ? "" : ", ") + names.back();
+      for (int axis = 0; axis < 3; ++axis) kept.push_back(3 * static_cast<Eigen::Index>(m) + axis);
+    }
+    result.repaired.notes.push_back("of " + std::to_string(result.sensors.size()) + " markers the " + std::to_string(kMostMarkers) + " that say most of the others are used: " + told);
+    result.sensors = std::move(names);
+    living = Eigen::MatrixXd(living(kept, Eigen::all));
+  }
   const double begin_s = readings.times_s.front();
   StandingPhase standing;
   if (request.alignment) {

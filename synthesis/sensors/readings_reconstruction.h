@@ -34,7 +34,7 @@ inline constexpr int kAlignmentRounds = 2;
 /// Gives the reconstructor for sensors at some places; one that was made before may do.
 using ReconstructorSource = std::function<std::shared_ptr<const Reconstructor>(const std::vector<Placement>&)>;
 
-/// Repairs readings, leaves dead sensors out, aligns the others where that is asked for, and reconstructs.
+/// Repairs readings, leaves dead sensors out, aligns the others where that is asked for, and reconstructs. Of more than 12 markers the 12 principal ones are used (PrincipalMarkers()), which is told.
 ///
 /// Alignment: gravity in a standing phase gives the tilt of every sensor (AlignByStanding); then the motion is reconstructed, every sensor turned about the vertical and shifted in time so that it agrees
 /// with it (AlignByMotion), kAlignmentRounds times, before the motion that is returned. It so takes as many times as long.

@@ -504,6 +504,41 @@ TEST_F(CliTest, WritesMarkersAndTheirPlaces) {
   ASSERT_EQ(markers.status, 0) << markers.err;
   EXPECT_THAT(ReadFile(Path("markers.csv")), HasSubstr("left_heel.x,left_heel.y,left_heel.z"));
   EXPECT_GT(json::parse(ReadFile(Path("places.json"))).at("placements").size(), 30u);
+  ASSERT_EQ(Run("markers " + Clip() + " --principal 6 --out markers.csv --write-placements places.json").status, 0);
+  EXPECT_EQ(json::parse(ReadFile(Path("places.json"))).at("placements").size(), 6u);
+  ExpectFailure("markers " + Clip() + " --principal 60 --out markers.csv", 1, "60 of 41 markers");
+}
+
+TEST_F(CliTest, ReconstructsFromDamagedReadingsAndSaysSo) {
+  std::ofstream(Path("places.json")) << R"([{"joint": "left_wrist"}, {"joint": "right_wrist"}, {"joint": "left_ankle"}, {"joint": "right_ankle"}])";
+  ASSERT_EQ(Run("sensors " + Clip() + " --placements places.json --rate 60 --out sound.csv").status, 0);
+  std::istringstream sound(ReadFile(Path("sound.csv")));
+  std::ofstream damaged(Path("damaged.csv")), in_ms(Path("ms.csv"));
+  std::string line;
+  std::getline(sound, line);
+  damaged << line << '\n';
+  in_ms << line << '\n';
+  for (int row = 0; std::getline(sound, line); ++row) {
+    std::vector<std::string> cells;
+    std::istringstream parts(line);
+    for (std::string cell; std::getline(parts, cell, ',');) cells.push_back(cell);
+    ASSERT_EQ(cells.size(), 13u);
+    in_ms << std::to_string(1000 * std::stod(cells[0])) << line.substr(line.find(',')) << '\n';
+    for (std::size_t c = 4; c < 7; ++c) cells[c] = "nan";                              // one sensor is dead
+    if (row >= 20 && row < 50) cells[1] = cells[2] = cells[3] = "";                    // a gap of half a second
+    damaged << cells[0];
+    for (std::size_t c = 1; c < cells.size(); ++c) damaged << ',' << cells[c];
+    damaged << '\n';
+  }
+  damaged.close();
+  in_ms.close();
+  const Outcome made = Run("reconstruct --model " + Model() + " --method olng --input damaged.csv --out again.bvh --report again.json");
+  ASSERT_EQ(made.status, 0) << made.err;
+  EXPECT_THAT(made.out, HasSubstr("'right_wrist' says nothing at all; it is left out"));
+  EXPECT_THAT(made.out, HasSubstr("'left_wrist' is silent from"));
+  EXPECT_EQ(json::parse(ReadFile(Path("again.json"))).at("reconstruction").at("dead_sensors"), json::array({"right_wrist"}));
+  ExpectFailure("reconstruct --model " + Model() + " --method olng --input ms.csv --out c.bvh", 1, "times are in seconds");
+  ExpectFailure("reconstruct --model " + Model() + " --method olng --stream --placements places.json --report c.json", 2, "\"notes\"");
 }
 
 TEST_F(CliTest, SaysWhatIsWrongWithReadingsAndPlacements) {

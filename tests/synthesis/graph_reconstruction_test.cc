@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include "datasets/errors.h"
+#include "datasets/marker_set.h"
 #include "datasets/virtual_sensors.h"
 #include "synthesis/evaluation.h"
 #include "synthesis/sensors/motion_source.h"
@@ -126,6 +127,24 @@ TEST_F(GraphReconstructionTest, CopiesOfOtherTemposAreTheSameStepsInAnotherTime)
       EXPECT_LT(nearest, 1e-4);
     }
   }
+}
+
+// A full set of markers would take minutes and gigabytes to learn maps from.
+TEST_F(GraphReconstructionTest, OfManyMarkersThePrincipalOnesAreUsed) {
+  SyntheticGaitTruth truth;
+  const MotionClip walk = UnseenWalk(&truth);
+  const std::vector<Placement> full = FullBodyMarkers(SourceOf(*graph_).clips);
+  ASSERT_GT(full.size(), 30u);
+  std::size_t asked = 0;
+  const ReconstructedReadings made = ReconstructReadings(*graph_, {.method = ReconstructionMethod::kMarkers, .readings = VirtualMarkers(walk, full), .placements = full},
+                                                         [&](const std::vector<Placement>& sensors) {
+                                                           asked = sensors.size();
+                                                           return MakeReconstructor(graph_, ReconstructionMethod::kMarkers, sensors);
+                                                         });
+  EXPECT_EQ(asked, 12u);
+  EXPECT_EQ(made.sensors.size(), 12u);
+  EXPECT_THAT(made.repaired.notes, ::testing::Contains(::testing::HasSubstr("the 12 that say most of the others are used")));
+  EXPECT_LT(CompareClips(made.reconstruction.clip, walk).position_rms_cm, 4);
 }
 
 TEST_F(GraphReconstructionTest, TellsMarkersFromAccelerations) {
