@@ -35,6 +35,9 @@ struct HttpRequest {
   std::string path;    // as sent, without the query
   std::vector<std::pair<std::string, std::string>> headers;
   std::string body;
+  /// Of a body that is still being sent (Route::live_type): what comes next, once there is any, and "" at the end. `body` holds what came first, a line at
+  /// least. May be called while the answer goes out, from HttpResponse::more. @throws ProblemError for a body that is cut short or not well formed.
+  std::function<std::string()> incoming = {};
   std::vector<std::string> arguments;  // what the route's {…} stand for, percent-decoded
   LongWork* work = nullptr;  // none where nobody waits for turns (tests)
 

@@ -16,6 +16,7 @@ struct Route {
   std::function<HttpResponse(const HttpRequest&)> handler;
   std::size_t max_body = 0;      // bytes; 0: takes no body
   bool immediate = false;        // cheap enough to answer before all queued work
+  std::string live_type = {};    // media type of bodies that may come in chunks while they are being answered; empty: none
 };
 
 /// The routes of the interface. Built once, then read from any thread.

@@ -23,7 +23,9 @@
 #include <system_error>
 #include <thread>
 
+#include "api/content_negotiation.h"
 #include "api/error_mapping.h"
+#include "api/internal/chunked_body.h"
 #include "api/internal/connection_threads.h"
 #include "api/internal/http_head.h"
 #include "api/internal/socket_stream.h"
@@ -33,7 +35,8 @@
 // open is closed before it sees a byte: this file reads each head itself, bounded in size and time, refuses what must
 // be refused, and then lets the library's process_request() read a short head of its own making (method, "/", length)
 // and behind it exactly the body's bytes. So none of these come into play: lines without bound, regular expressions
-// over what clients send (routes, Range, multipart), bodies that are chunked, have no length, are compressed or stay
+// over what clients send (routes, Range, multipart), bodies that are chunked (the library is told of none: where a route answers
+// them as they come, this file reads them and closes the connection behind them), have no length, are compressed or stay
 // on the socket to be read as the next request, answers compressed unasked, select() on high descriptors. The
 // listening socket is ours as well: no SO_REUSEPORT, by which two servers would share a port unnoticed, and a longer
 // backlog than 5.
@@ -47,6 +50,7 @@ namespace {
 constexpr std::size_t kSmallBody = 1 << 20;  // up to here a body counts no budget
 constexpr std::chrono::seconds kLinger{5};   // for reading what a refused client still sends
 constexpr std::string_view kNoRoute = "none";
+constexpr std::size_t kLongestFirstLine = 64 * 1024;  // of a body that is still being sent
 
 int ThreadCount(int asked) {
   if (asked > 0) return asked;
@@ -209,7 +213,9 @@ class RequestStream : public httplib::Stream {
   // Head and body of an answer come one by one; they leave together.
   ssize_t write(const char* from, std::size_t size) override {
     if (exchange_.is_gone || failed_) return -1;
-    if (held_.empty()) {
+    // What is answered while the request still comes is waited for.
+    const bool is_waited_for = exchange_.head.is_chunked && written_ > 0;
+    if (held_.empty() && !is_waited_for) {
       held_.assign(from, size);
       return static_cast<ssize_t>(size);
     }
@@ -224,7 +230,8 @@ class RequestStream : public httplib::Stream {
 
  private:
   bool Send(std::string_view more) {
-    if (!write_deadline_) write_deadline_ = Clock::now() + write_timeout_;
+    // What is answered while it comes takes as long as it comes.
+    if (!write_deadline_ || exchange_.head.is_chunked) write_deadline_ = Clock::now() + write_timeout_;
     // A long answer may take longer, but no slower than a mebibyte a second.
     failed_ = !socket_->Write(held_, more, *write_deadline_ + std::chrono::seconds(written_ >> 20));
     written_ += more.size();
@@ -507,7 +514,7 @@ bool Server::State::ReadHead(internal::SocketStream* socket, Connection* connect
     exchange->answer = ProblemResponse(ProblemFrom(std::current_exception()));
     exchange->keep_alive = false;
   }
-  if (!exchange->answer && exchange->head.expects_continue && exchange->head.body_bytes > 0)
+  if (!exchange->answer && exchange->head.expects_continue && (exchange->head.body_bytes > 0 || exchange->head.is_chunked))
     return socket->Write("HTTP/1.1 100 Continue\r\n\r\n", {}, Clock::now() + options_.write_timeout);
   return true;
 }
@@ -517,6 +524,7 @@ void Server::State::CheckRequest(Exchange* exchange) {
   const internal::HttpHead& head = exchange->head;
   if (head.method == "OPTIONS") {
     if (head.body_bytes > 0) throw ProblemError(413, "this method takes no body");
+    if (head.is_chunked) throw ProblemError(411, "this method takes no body");
     const std::string allowed = head.path.starts_with('/') ? router_.Allowed(head.path) : "GET, HEAD, POST, DELETE, OPTIONS";
     if (allowed.empty()) throw ProblemError(404, "there is nothing here");
     exchange->answer.emplace();
@@ -532,6 +540,11 @@ void Server::State::CheckRequest(Exchange* exchange) {
                                 ? std::string("this route takes no body")
                                 : "the body has " + std::to_string(head.body_bytes) + " bytes; at most " +
                                       std::to_string(route->max_body) + " are taken here");
+  }
+  if (head.is_chunked) {
+    if (route->live_type.empty() || !EqualsIgnoringCase(MediaTypeOf(head.Value("Content-Type")), route->live_type))
+      throw ProblemError(411, "chunked transfers are not taken here; send a Content-Length");
+    exchange->keep_alive = false;
   }
   RefuseCrossSite(head, options_.page_hosts);
   if (head.body_bytes > kSmallBody && !exchange->budget.Take(head.body_bytes, options_.max_body_bytes)) {
@@ -564,7 +577,17 @@ void Server::State::Handle(httplib::Response& out, const httplib::ContentReader*
   request.arguments = std::move(exchange.arguments);
   request.headers = exchange.head.headers;
   const auto length = static_cast<std::size_t>(exchange.head.body_bytes);
-  if (length > 0) {
+  if (exchange.head.is_chunked) {
+    const auto body = std::make_shared<internal::ChunkedBody>(exchange.socket, options_.body_timeout, &stopping_);
+    // The first line is waited for here, where no worker's turn is spent on it.
+    while (request.body.find('\n') == std::string::npos) {
+      const std::string piece = body->Next();
+      if (piece.empty()) break;
+      request.body += piece;
+      if (request.body.size() > kLongestFirstLine) throw ProblemError(413, "the first line is too long");
+    }
+    request.incoming = [body] { return body->Next(); };
+  } else if (length > 0) {
     request.body.reserve(std::min(length, kSmallBody));
     const bool is_whole = reader && (*reader)([&](const char* data, std::size_t size) {
       // Room for a large body is taken once its sender has shown that it means it.

@@ -35,7 +35,8 @@ struct ServerOptions {
 /// HTTP/1.1 server on cpp-httplib, whose known holes are fenced in (see server.cc).
 ///
 /// Every connection has a thread of its own while it is open, so that a slow client holds back nobody else; at most
-/// `threads` of them carry out a request at a time. Refused before any body is read: chunked bodies (411), bodies
+/// `threads` of them carry out a request at a time. Refused before any body is read: chunked bodies (411) but where a
+/// route answers them as they come (Route::live_type), bodies
 /// above the route's limit (413), bodies where none is taken, repeated lengths, coded bodies, unknown routes.
 class Server {
  public:

@@ -67,9 +67,11 @@ void ParseHeader(std::string_view line, HttpHead* head) {
 }
 
 void CheckFraming(HttpHead* head) {
-  if (head->Count("Transfer-Encoding") > 0)
-    throw ProblemError(411, "chunked and otherwise coded transfers are not taken; send a Content-Length");
   const std::size_t lengths = head->Count("Content-Length");
+  if (const std::size_t codings = head->Count("Transfer-Encoding"); codings > 0) {
+    head->is_chunked = codings == 1 && lengths == 0 && head->minor_version == 1 && EqualsIgnoringCase(head->Value("Transfer-Encoding"), "chunked");
+    if (!head->is_chunked) throw ProblemError(411, "otherwise coded transfers than chunked ones are not taken; send a Content-Length");
+  }
   if (lengths > 1) throw ProblemError(400, "Content-Length stands twice");
   if (lengths == 1) {
     const std::string_view text = head->Value("Content-Length");

@@ -21,6 +21,7 @@ struct HttpHead {
   int minor_version = 1;  // HTTP/1.x
   std::vector<std::pair<std::string, std::string>> headers;
   std::uint64_t body_bytes = 0;
+  bool is_chunked = false;  // the body comes in chunks, and says itself where it ends
   bool keep_alive = true;
   bool expects_continue = false;
 
@@ -30,12 +31,12 @@ struct HttpHead {
 };
 
 /// Reads a head (RFC 9112, 2 to 6) more strictly than the RFC asks: lines end with CRLF only, nothing is folded, and
-/// only one framing is taken, one Content-Length. Two readers that disagree on where a body ends could be played off
+/// only one framing is taken, one Content-Length or one "Transfer-Encoding: chunked" (which few routes take). Two readers that disagree on where a body ends could be played off
 /// against each other (request smuggling).
 ///
 /// @param text  from the request line to the CRLF of the last header, without the empty line.
 /// @param head  filled as far as the text could be read, also when an error is thrown.
-/// @throws ProblemError: 400 malformed, 411 coded transfer, 414 long target, 415 coded body, 417 unknown expectation,
+/// @throws ProblemError: 400 malformed, 411 transfer coded otherwise, 414 long target, 415 coded body, 417 unknown expectation,
 ///         505 other version.
 void ParseHttpHead(std::string_view text, HttpHead* head);
 

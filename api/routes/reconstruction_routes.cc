@@ -34,28 +34,54 @@ constexpr const char* kStreamType = "application/x-ndjson";
 // Streams are worked off line by line while their answer goes out, beside the workers of other requests.
 internal::LimitedPlaces stream_places(4, "other streams are being reconstructed; try again");
 
-std::string_view TakeLine(std::string_view* text) {
-  const std::size_t end = std::min(text->find('\n'), text->size());
-  const std::string_view line = text->substr(0, end);
-  text->remove_prefix(std::min(end + 1, text->size()));
-  return line;
-}
+constexpr std::size_t kLongestLine = 1 << 20;
 
-// The first line says what to reconstruct with; an answer line a frame follows as the lines with readings are worked off.
+// The lines of a body that may be coming still.
+class Lines {
+ public:
+  explicit Lines(const HttpRequest& request) : text_(request.body), incoming_(request.incoming) {}
+
+  /// The next line without its end; none at the end of the body. Waits for it. @throws ProblemError as HttpRequest::incoming, and 413 for a line without end.
+  std::optional<std::string> Next() {
+    while (true) {
+      const std::size_t end = text_.find('\n', at_);
+      if (end != std::string::npos) {
+        std::string line = text_.substr(at_, end - at_);
+        at_ = end + 1;
+        return line;
+      }
+      if (text_.size() - at_ > kLongestLine) throw ProblemError(413, "a line is too long");
+      const std::string more = incoming_ ? incoming_() : std::string();
+      if (more.empty()) break;
+      text_.erase(0, at_);
+      at_ = 0;
+      text_ += more;
+    }
+    if (at_ == text_.size()) return std::nullopt;
+    std::string line = text_.substr(at_);
+    at_ = text_.size();
+    return line;
+  }
+
+ private:
+  std::string text_;
+  std::size_t at_ = 0;
+  std::function<std::string()> incoming_;
+};
+
+// The first line says what to reconstruct with; an answer line a frame follows as the lines with readings are worked off, which may come as the answer goes out.
 HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) {
   if (ChooseMediaType(request.Header("Accept"), {kStreamType, "application/jsonl"}) < 0) throw ProblemError(406, "streams are answered as application/x-ndjson");
   struct Answer {
+    explicit Answer(Lines of_request) : lines(std::move(of_request)) {}
     internal::LimitedPlaces::Place place{&stream_places};
-    std::string body;
-    std::string_view rest;
+    Lines lines;
     std::unique_ptr<ReconstructionStream> stream;
     int line = 1;
     bool done = false;
   };
-  const auto answer = std::make_shared<Answer>();
-  answer->body = request.body;
-  answer->rest = answer->body;
-  const StreamHead head = ParseStreamHead(TakeLine(&answer->rest));
+  const auto answer = std::make_shared<Answer>(Lines(request));
+  const StreamHead head = ParseStreamHead(answer->lines.Next().value_or(""));
   const std::shared_ptr<const ServedModel> model = FindServed(service->models, head.model);
   answer->stream = std::make_unique<ReconstructionStream>(service->reconstructors.Get(model->graph, head.method, head.placements));
 
@@ -66,17 +92,14 @@ HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) 
   response.more = [answer]() -> std::string {
     std::string lines;
     try {
-      while (lines.empty() && !answer->rest.empty()) {
+      while (lines.empty() && !answer->done) {
         ++answer->line;
-        lines = answer->stream->Push(TakeLine(&answer->rest));
-      }
-      if (lines.empty() && !answer->done) {
-        answer->done = true;
-        lines = answer->stream->Finish();
+        const std::optional<std::string> line = answer->lines.Next();
+        answer->done = !line;
+        lines = line ? answer->stream->Push(*line) : answer->stream->Finish();
       }
     } catch (const ProblemError& error) {
       // The answer is under way: the last line says why it ends.
-      answer->rest = {};
       answer->done = true;
       lines = nlohmann::ordered_json({{"error", {{"line", answer->line}, {"detail", ProblemLine(error.problem())}}}}).dump() + "\n";
     }
@@ -120,7 +143,7 @@ HttpResponse CreateReconstruction(Service* service, const HttpRequest& request) 
 }  // namespace
 
 std::vector<Route> ReconstructionRoutes(Service* service) {
-  return {{"POST", "/v1/reconstructions", [=](const HttpRequest& request) { return CreateReconstruction(service, request); }, kMaxReadingsBytes}};
+  return {{"POST", "/v1/reconstructions", [=](const HttpRequest& request) { return CreateReconstruction(service, request); }, kMaxReadingsBytes, false, kStreamType}};
 }
 
 }  // namespace morphograph

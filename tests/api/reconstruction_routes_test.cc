@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 #include <functional>
 #include <nlohmann/json.hpp>
 #include <set>
@@ -275,6 +276,43 @@ TEST_F(ReconstructionRoutesTest, StreamsPosesForLinesOfReadings) {
   ASSERT_EQ(broken.status, 200);
   EXPECT_THAT(broken.body, HasSubstr("\"error\""));
   EXPECT_THAT(broken.body, HasSubstr("/readings"));
+}
+
+// One frame in, one frame out: poses come while readings are still being sent, the same as of a body that was sent whole.
+TEST_F(ReconstructionRoutesTest, StreamsWhileReadingsCome) {
+  const json request = Request("olng");
+  std::vector<std::string> lines = {json({{"model", "walk"}, {"method", "olng"}, {"placements", request["sensors"]["placements"]}}).dump() + "\n"};
+  for (const json& row : request["sensors"]["readings"]) lines.push_back(json({{"time", static_cast<double>(lines.size() - 1) / 60}, {"readings", row}}).dump() + "\n");
+  std::string whole;
+  for (const std::string& line : lines) whole += line;
+  const std::string head = "POST /v1/reconstructions HTTP/1.1\r\nHost: t\r\nContent-Type: application/x-ndjson\r\nTransfer-Encoding: chunked\r\n\r\n";
+  const auto chunk = [](const std::string& text) {
+    char size[16];
+    std::snprintf(size, sizeof size, "%zx\r\n", text.size());
+    return size + text + "\r\n";
+  };
+  testing::RawConnection connection(app_->port);
+  ASSERT_TRUE(connection.Send(head));
+  for (std::size_t i = 0; i < 120; ++i) ASSERT_TRUE(connection.Send(chunk(lines[i])));
+  // A second and a half of poses is due of the two seconds that were sent.
+  const std::string due = "\"time\":1.5,";
+  ASSERT_EQ(connection.ReadSome(due), due);
+  for (std::size_t i = 120; i < lines.size(); ++i) ASSERT_TRUE(connection.Send(chunk(lines[i])));
+  ASSERT_TRUE(connection.Send("0\r\n\r\n"));
+  const auto live = connection.Read();
+  ASSERT_TRUE(live);
+  EXPECT_EQ(live->status, 200);
+  EXPECT_EQ(live->headers.at("connection"), "close");
+  EXPECT_EQ(live->body, testing::Ask(app_->port, "POST", "/v1/reconstructions", "Content-Type: application/x-ndjson\r\n", whole).body);
+  // What is wrong with a line ends it, as ever; one request in JSON is not taken so.
+  testing::RawConnection broken(app_->port);
+  ASSERT_TRUE(broken.Send(head + chunk(lines[0]) + chunk("{\"time\": 0}\n")));
+  EXPECT_EQ(broken.ReadSome("\"error\""), "\"error\"");
+  testing::RawConnection whole_request(app_->port);
+  ASSERT_TRUE(whole_request.Send("POST /v1/reconstructions HTTP/1.1\r\nHost: t\r\nContent-Type: application/json\r\nTransfer-Encoding: chunked\r\n\r\n"));
+  const auto refused = whole_request.Read();
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->status, 411);
 }
 
 // What is lost on the way is told in the lines, and a dead sensor takes the poses of the others nowhere.

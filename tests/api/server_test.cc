@@ -8,6 +8,7 @@
 #include <fstream>
 #include <latch>
 #include <thread>
+#include <utility>
 #include <vector>
 
 #include "api/problem.h"
@@ -24,6 +25,25 @@ using ::testing::HasSubstr;
 using ::testing::Not;
 
 constexpr std::size_t kLimit = 1 << 20;
+
+// Gives back what comes, as it comes, each piece with a bar behind it.
+HttpResponse Live(const HttpRequest& request) {
+  HttpResponse response;
+  response.Set("Content-Type", "text/plain");
+  response.more = [begun = false, ended = false, body = request.body, incoming = request.incoming]() mutable -> std::string {
+    if (ended) return {};
+    if (!std::exchange(begun, true)) return body + "|";
+    try {
+      const std::string piece = incoming ? incoming() : std::string();
+      ended = piece.empty();
+      return ended ? piece : piece + "|";
+    } catch (const ProblemError& error) {
+      ended = true;
+      return ProblemLine(error.problem());
+    }
+  };
+  return response;
+}
 
 class ServerTest : public ::testing::Test {
  protected:
@@ -81,6 +101,7 @@ class ServerTest : public ::testing::Test {
          while (held_) std::this_thread::sleep_for(milliseconds(2));
          return Text("held");
        }},
+      {"POST", "/live", [](const HttpRequest& request) { return Live(request); }, kLimit, false, "text/live"},
       {"GET", "/items/{name}", [](const HttpRequest& request) { return Text(request.arguments[0]); }},
   }};
   std::optional<Server> server_;
@@ -160,6 +181,54 @@ TEST_F(ServerTest, RefusesChunkedBodiesWithoutReadingThem) {
   EXPECT_EQ(AnswerTo("POST /echo HTTP/1.1\r\nHost: t\r\nTransfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n").status,
             411);
   EXPECT_EQ(AnswerTo("GET /hello HTTP/1.1\r\nHost: t\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n").status, 411);
+  EXPECT_EQ(AnswerTo("POST /live HTTP/1.1\r\nHost: t\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\n").status, 411);  // of no type
+  // What follows is never a request of its own.
+  for (const std::string head : {"OPTIONS /hello HTTP/1.1\r\n", "GET /hello HTTP/1.1\r\n", "POST /live HTTP/1.1\r\nContent-Type: text/live\r\n"}) {
+    RawConnection connection(port_);
+    connection.Send(head + "Host: t\r\nTransfer-Encoding: chunked\r\n\r\n0\r\n\r\nGET /items/smuggled HTTP/1.1\r\nHost: t\r\n\r\n");
+    const auto response = connection.Read();
+    ASSERT_TRUE(response) << head;
+    EXPECT_EQ(response->headers.at("connection"), "close") << head;
+    EXPECT_FALSE(connection.Read(300)) << head;
+  }
+}
+
+// Lines are answered as they come: the answer to one is read before the next is sent.
+TEST_F(ServerTest, AnswersBodiesThatAreStillBeingSentWhereTheRouteTakesThem) {
+  Start();
+  const std::string head = "POST /live HTTP/1.1\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: chunked\r\n\r\n";
+  RawConnection connection(port_);
+  ASSERT_TRUE(connection.Send(head + "5\r\nfirst\r\n1\r\n\n\r\n"));
+  ASSERT_EQ(connection.ReadSome("first\n|"), "first\n|");
+  ASSERT_TRUE(connection.Send("6\r\nsecond\r\n"));
+  ASSERT_EQ(connection.ReadSome("second|"), "second|");
+  ASSERT_TRUE(connection.Send("0\r\n\r\n"));
+  EXPECT_TRUE(connection.IsClosedWithin(10'000, "0\r\n\r\n"));
+  // Framed in every way but the right one.
+  for (const std::string chunks : {"5;x=1\r\nfirst\r\n", "-5\r\nfirst\r\n", "\r\nfirst\r\n", "1000000\r\n", "5\nfirst\r\n", "g\r\n"}) {
+    const RawResponse refused = AnswerTo(head + chunks);
+    EXPECT_EQ(refused.status, 400) << chunks;
+  }
+  for (const std::string chunks : {"6\r\nfirst\n\r\n3\r\nsecond\r\n", "6\r\nfirst\n\r\n0\r\nTrailer: x\r\n\r\n"}) {
+    RawConnection broken(port_);
+    ASSERT_TRUE(broken.Send(head + chunks));
+    EXPECT_EQ(broken.ReadSome("not well formed"), "not well formed") << chunks;
+    EXPECT_TRUE(broken.IsClosedWithin(10'000, "not well formed"));
+  }
+  EXPECT_EQ(AnswerTo("POST /live HTTP/1.1\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: gzip, chunked\r\n\r\n").status, 411);
+  EXPECT_EQ(AnswerTo("POST /live HTTP/1.0\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: chunked\r\n\r\n").status, 411);
+  EXPECT_EQ(AnswerTo(head + "20000\r\n" + std::string(0x20000, 'x')).status, 413);  // a first line without end
+}
+
+TEST_F(ServerTest, BodiesThatStopComingAreLetGo) {
+  ServerOptions options;
+  options.body_timeout = std::chrono::seconds(1);
+  Start(options);
+  const std::string head = "POST /live HTTP/1.1\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: chunked\r\n\r\n";
+  EXPECT_EQ(AnswerTo(head + "3\r\nfir").status, 408);
+  RawConnection later(port_);
+  ASSERT_TRUE(later.Send(head + "6\r\nfirst\n\r\n"));
+  EXPECT_EQ(later.ReadSome("nothing came for 1 seconds"), "nothing came for 1 seconds");
 }
 
 TEST_F(ServerTest, BodiesWhereNoneIsTakenCannotPassAsANextRequest) {

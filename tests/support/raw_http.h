@@ -73,10 +73,17 @@ class RawConnection {
     return response;
   }
 
-  /// Whether the other side closes within the time, with nothing more to read.
-  bool IsClosedWithin(int timeout_ms) {
+  /// Reads on until `text` has come; what was found, or else all that came.
+  std::string ReadSome(const std::string& text, int timeout_ms = 60'000) {
+    while (pending_.find(text) == std::string::npos)
+      if (!Fill(timeout_ms)) return pending_;
+    return text;
+  }
+
+  /// Whether the other side closes within the time, with nothing more to read, or with `text` in what was still to be read.
+  bool IsClosedWithin(int timeout_ms, const std::string& text = {}) {
     while (Fill(timeout_ms)) continue;
-    return closed_ && pending_.empty();
+    return closed_ && (text.empty() ? pending_.empty() : pending_.find(text) != std::string::npos);
   }
 
  private:

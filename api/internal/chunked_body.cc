@@ -1,0 +1,67 @@
+#include "api/internal/chunked_body.h"
+
+#include <algorithm>
+#include <charconv>
+
+#include "api/problem.h"
+
+namespace morphograph::internal {
+namespace {
+
+constexpr std::size_t kMostDigits = 6;  // chunks below 16 MiB
+constexpr std::size_t kPiece = 64 * 1024;
+constexpr std::chrono::milliseconds kLook{200};  // whether the server is to stop
+
+[[noreturn]] void ThrowMalformed() { throw ProblemError(400, "the body's chunks are not well formed"); }
+
+}  // namespace
+
+// Until so many bytes are buffered.
+void ChunkedBody::WaitFor(std::size_t bytes) {
+  const auto deadline = std::chrono::steady_clock::now() + patience_;
+  while (socket_->buffered().size() < bytes) {
+    const auto now = std::chrono::steady_clock::now();
+    if (*stopping_) throw ProblemError(503, "the server is about to stop");
+    if (now >= deadline) throw ProblemError(408, "nothing came for " + std::to_string(patience_.count()) + " seconds");
+    if (!socket_->Fill(std::min(deadline, now + kLook), kPiece) && socket_->IsClosedByPeer()) throw ProblemError(400, "the body was cut short");
+  }
+}
+
+// The line before a chunk, and the end of the chunk before it.
+void ChunkedBody::ReadSize() {
+  if (!first_) {
+    WaitFor(2);
+    if (!socket_->buffered().starts_with("\r\n")) ThrowMalformed();
+    socket_->Consume(2);
+  }
+  first_ = false;
+  std::size_t digits = 0;
+  while (true) {
+    WaitFor(digits + 1);
+    if (socket_->buffered()[digits] == '\r') break;
+    if (++digits > kMostDigits) ThrowMalformed();
+  }
+  WaitFor(digits + 2);
+  const std::string_view line = socket_->buffered().substr(0, digits + 2);
+  const auto [stop, error] = std::from_chars(line.data(), line.data() + digits, left_, 16);
+  if (digits == 0 || error != std::errc() || stop != line.data() + digits || line[digits + 1] != '\n') ThrowMalformed();
+  socket_->Consume(digits + 2);
+  if (left_ > 0) return;
+  ended_ = true;
+  WaitFor(2);
+  if (!socket_->buffered().starts_with("\r\n")) ThrowMalformed();  // trailers are not taken
+  socket_->Consume(2);
+}
+
+std::string ChunkedBody::Next() {
+  if (left_ == 0 && !ended_) ReadSize();
+  if (ended_) return {};
+  WaitFor(1);
+  const std::size_t taken = std::min(left_, socket_->buffered().size());
+  std::string piece(socket_->buffered().substr(0, taken));
+  socket_->Consume(taken);
+  left_ -= taken;
+  return piece;
+}
+
+}  // namespace morphograph::internal
