@@ -21,10 +21,8 @@ constexpr double kMeanOver_s = 5;
 constexpr std::size_t kLeastWaiting = 10, kMostWaiting = 100'000;
 constexpr double kSpikeOfMean = 12, kLeastSpike_m_s2 = 40, kLeastMarkerSpike_m = 0.1;
 constexpr double kMoving_m_s2 = 0.5;
-constexpr double kLeastPlateau_m_s2 = 12;  // above gravity at rest
-constexpr int kLeastPlateauSamples = 3;
 
-std::string Text(const char* format, double a, double b = 0) {
+std::string Sentence(const char* format, double a, double b = 0) {
   char text[120];
   std::snprintf(text, sizeof text, format, a, b);
   return text;
@@ -71,7 +69,7 @@ class LiveRepair::Stream {
     std::vector<Eigen::VectorXd> due = Rest();
     TellDead();
     for (std::size_t s = 0; s < sensors_.size(); ++s) TellCounts(s);
-    if (late_samples > 0) notes.push_back(Text("%.0f samples came after later ones and were passed over", static_cast<double>(late_samples)));
+    if (late_samples > 0) notes.push_back(Sentence("%.0f samples came after later ones and were passed over", static_cast<double>(late_samples)));
     return due;
   }
 
@@ -116,11 +114,11 @@ class LiveRepair::Stream {
   }
 
   [[noreturn]] static void RefuseSteps(double step_s) {
-    throw std::invalid_argument(Text("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", step_s));
+    throw std::invalid_argument(Sentence("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", step_s));
   }
 
   void Restart(double silence_s) {
-    notes.push_back(Text("nothing came for %.0f s; the clock was started anew: the frames that follow are later by as much than their times say", silence_s));
+    notes.push_back(Sentence("nothing came for %.0f s; the clock was started anew: the frames that follow are later by as much than their times say", silence_s));
     settled_ = any_ = false;
     for (Sensor& sensor : sensors_) {  // what is only counted is told at the end
       Sensor anew;
@@ -149,16 +147,16 @@ class LiveRepair::Stream {
       const char* cause = CauseOfDeath(s);
       if ((cause != nullptr) == sensor.told_dead) continue;
       sensor.told_dead = cause != nullptr;
-      notes.push_back("'" + names_[s] + "' " + (cause ? std::string(cause) + Text("; it is left out from %.2f s on", last_s_) : Text("is of use again from %.2f s on", last_s_)));
+      notes.push_back("'" + names_[s] + "' " + (cause ? std::string(cause) + Sentence("; it is left out from %.2f s on", last_s_) : Sentence("is of use again from %.2f s on", last_s_)));
     }
   }
 
   void TellCounts(std::size_t s) {
     const Sensor& sensor = sensors_[s];
-    if (sensor.wild > 0) notes.push_back("'" + names_[s] + Text("': %.0f wild samples were replaced", static_cast<double>(sensor.wild)));
+    if (sensor.wild > 0) notes.push_back("'" + names_[s] + Sentence("': %.0f wild samples were replaced", static_cast<double>(sensor.wild)));
     for (std::size_t side = 0; side < sensor.extremes.size(); ++side) {
       if (markers_ || sensor.extremes[side] < kLeastPlateau_m_s2 || sensor.at_extreme[side] < kLeastPlateauSamples) continue;
-      notes.push_back("'" + names_[s] + Text("' is clipped at %.1f m/s^2; what was beyond is not known", sensor.extremes[side]));
+      notes.push_back("'" + names_[s] + Sentence("' is clipped at %.1f m/s^2; what was beyond is not known", sensor.extremes[side]));
       break;
     }
   }
@@ -209,7 +207,7 @@ class LiveRepair::Stream {
       }
       // A gap is told when it ends, but for a sensor that was told dead.
       if (sensor.heard > 0 && !sensor.told_dead && time_s - sensor.last_heard_s - sensor.track.step_s > options_.told_gap_s) {
-        notes.push_back("'" + names_[s] + Text("' was silent from %.2f s to %.2f s; ", sensor.last_heard_s, time_s) + (markers_ ? "held" : "filled with its mean"));
+        notes.push_back("'" + names_[s] + Sentence("' was silent from %.2f s to %.2f s; ", sensor.last_heard_s, time_s) + (markers_ ? "held" : "filled with its mean"));
       }
       if (sensor.track.empty() || value != sensor.track.values.back()) sensor.last_change_s = time_s;
       sensor.last_heard_s = time_s;

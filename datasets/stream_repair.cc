@@ -25,9 +25,6 @@ constexpr double kSpikeQuantile = 0.9, kSpikeFactor = 8;
 constexpr double kLeastSpike_m_s2 = 15, kLeastSpike_m = 0.05;
 constexpr double kUsualWidths = 2;
 
-constexpr double kLeastPlateau_m_s2 = 12;    // above gravity at rest
-constexpr int kLeastPlateauSamples = 3;
-
 std::string Text(const char* format, double a, double b = 0, double c = 0) {
   char text[160];
   std::snprintf(text, sizeof text, format, a, b, c);

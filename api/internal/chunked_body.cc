@@ -12,7 +12,7 @@ constexpr std::size_t kMostDigits = 6;  // chunks below 16 MiB
 constexpr std::size_t kPiece = 64 * 1024;
 constexpr std::chrono::milliseconds kLook{200};  // whether the server is to stop
 
-[[noreturn]] void ThrowMalformed() { throw ProblemError(400, "the body's chunks are not well formed"); }
+[[noreturn]] void ThrowBadChunks() { throw ProblemError(400, "the body's chunks are not well formed"); }
 
 }  // namespace
 
@@ -31,7 +31,7 @@ void ChunkedBody::WaitFor(std::size_t bytes) {
 void ChunkedBody::ReadSize() {
   if (!first_) {
     WaitFor(2);
-    if (!socket_->buffered().starts_with("\r\n")) ThrowMalformed();
+    if (!socket_->buffered().starts_with("\r\n")) ThrowBadChunks();
     socket_->Consume(2);
   }
   first_ = false;
@@ -39,17 +39,17 @@ void ChunkedBody::ReadSize() {
   while (true) {
     WaitFor(digits + 1);
     if (socket_->buffered()[digits] == '\r') break;
-    if (++digits > kMostDigits) ThrowMalformed();
+    if (++digits > kMostDigits) ThrowBadChunks();
   }
   WaitFor(digits + 2);
   const std::string_view line = socket_->buffered().substr(0, digits + 2);
   const auto [stop, error] = std::from_chars(line.data(), line.data() + digits, left_, 16);
-  if (digits == 0 || error != std::errc() || stop != line.data() + digits || line[digits + 1] != '\n') ThrowMalformed();
+  if (digits == 0 || error != std::errc() || stop != line.data() + digits || line[digits + 1] != '\n') ThrowBadChunks();
   socket_->Consume(digits + 2);
   if (left_ > 0) return;
   ended_ = true;
   WaitFor(2);
-  if (!socket_->buffered().starts_with("\r\n")) ThrowMalformed();  // trailers are not taken
+  if (!socket_->buffered().starts_with("\r\n")) ThrowBadChunks();  // trailers are not taken
   socket_->Consume(2);
 }
 

@@ -13,6 +13,10 @@ inline constexpr double kGravityOfUnits_m_s2 = 9.81;
 /// No sensor worn on a body measures more on an axis: 16 g, and a little for its calibration.
 inline constexpr double kWidestRange_m_s2 = 17 * kGravityOfUnits_m_s2;
 
+/// A sensor is clipped where so many samples say exactly the same on an axis, and more than gravity at rest.
+inline constexpr double kLeastPlateau_m_s2 = 12;
+inline constexpr int kLeastPlateauSamples = 3;
+
 /// Samples that are farther apart tell nothing of a walk, whose steps take half a second.
 inline constexpr double kLongestStep_s = 0.25;
 
