@@ -50,6 +50,7 @@ namespace {
 constexpr std::size_t kSmallBody = 1 << 20;  // up to here a body counts no budget
 constexpr std::chrono::seconds kLinger{5};   // for reading what a refused client still sends
 constexpr std::string_view kNoRoute = "none";
+constexpr std::size_t kLongestWhole = 256 << 20;  // of an answer in pieces that a client of HTTP/1.0 gets in one
 constexpr std::size_t kLongestFirstLine = 64 * 1024;  // of a body that is still being sent
 
 int ThreadCount(int asked) {
@@ -137,6 +138,7 @@ struct Exchange {
   std::vector<std::string> arguments;
   std::optional<HttpResponse> answer;  // given before the body was read: a refusal, or OPTIONS
   bool keep_alive = true;
+  bool is_unended = false;  // an answer in pieces, whose last one is not out
   bool is_gone = false;  // the client left, or was too slow: nobody to answer
   Clock::time_point started = Clock::now();
   BodyBudget budget;
@@ -214,8 +216,7 @@ class RequestStream : public httplib::Stream {
   ssize_t write(const char* from, std::size_t size) override {
     if (exchange_.is_gone || failed_) return -1;
     // What is answered while the request still comes is waited for.
-    const bool is_waited_for = exchange_.head.is_chunked && written_ > 0;
-    if (held_.empty() && !is_waited_for) {
+    if (held_.empty() && !exchange_.head.is_chunked) {
       held_.assign(from, size);
       return static_cast<ssize_t>(size);
     }
@@ -566,7 +567,7 @@ bool Server::State::Respond(Exchange* exchange, internal::SocketStream* socket) 
     throw;
   }
   current_exchange = nullptr;
-  return stream.Finish() && is_processed && !is_closed;
+  return stream.Finish() && is_processed && !is_closed && !exchange->is_unended;
 }
 
 void Server::State::Handle(httplib::Response& out, const httplib::ContentReader* reader) {
@@ -584,7 +585,7 @@ void Server::State::Handle(httplib::Response& out, const httplib::ContentReader*
       const std::string piece = body->Next();
       if (piece.empty()) break;
       request.body += piece;
-      if (request.body.size() > kLongestFirstLine) throw ProblemError(413, "the first line is too long");
+      if (std::min(request.body.find('\n'), request.body.size()) > kLongestFirstLine) throw ProblemError(413, "the first line is too long");
     }
     request.incoming = [body] { return body->Next(); };
   } else if (length > 0) {
@@ -649,13 +650,18 @@ void Server::State::Answer(HttpResponse response, httplib::Response& out) {
   if (!response.more) {
     out.body = std::move(response.body);
   } else if (exchange.head.minor_version == 0) {  // knows no chunks
-    for (std::string piece = response.more(); !piece.empty(); piece = response.more()) out.body += piece;
+    for (std::string piece = response.more(); !piece.empty() && !stopping_; piece = response.more()) {
+      out.body += piece;
+      if (out.body.size() > kLongestWhole) throw ProblemError(505, "so long an answer takes HTTP/1.1");
+    }
   } else {
     const std::string type(response.Header("Content-Type"));
     out.headers.erase("Content-Type");
-    out.set_chunked_content_provider(type, [more = std::move(response.more)](std::size_t, httplib::DataSink& sink) {
+    exchange.is_unended = true;
+    out.set_chunked_content_provider(type, [more = std::move(response.more), &exchange](std::size_t, httplib::DataSink& sink) {
       const std::string piece = more();
       if (piece.empty()) {
+        exchange.is_unended = false;
         sink.done();
         return true;
       }

@@ -18,9 +18,16 @@ namespace {
 constexpr double kLongestSilence_s = 10;
 constexpr double kKept_s = 3;                  // of the past
 constexpr double kMeanOver_s = 5;
-constexpr std::size_t kLeastWaiting = 10, kMostWaiting = 100'000;
+constexpr std::size_t kLeastWaiting = 10, kMostWaiting = 5'000, kMostKept = 10'000;  // samples
 constexpr double kSpikeOfMean = 12, kLeastSpike_m_s2 = 40, kLeastMarkerSpike_m = 0.1;
 constexpr double kMoving_m_s2 = 0.5;
+constexpr double kShortestStep_s = 1e-4;
+constexpr int kLateInARow = 30;           // samples: then it is the clock that was set back
+constexpr int kRestartsUnsettled = 3;     // at the beginning
+constexpr double kStall_s = 0.25;         // a silence of all is no sensor's own
+constexpr double kLengthsAfter_s = 3;     // units are doubted
+constexpr int kGapsTold = 5, kDeathsTold = 10;  // a sensor
+constexpr int kJudgeEvery = 32;           // samples: whether there is gravity
 
 std::string Sentence(const char* format, double a, double b = 0) {
   char text[120];
@@ -41,14 +48,18 @@ class LiveRepair::Stream {
     std::vector<Eigen::VectorXd> due;
     if (any_ && time_s <= last_s_) {
       ++late_samples;
-      return due;
+      if (++late_in_a_row_ < kLateInARow) return due;
+      if (settled_) due = Due(last_s_);
+      Restart(Sentence("the clock was set back from %.2f s to %.2f s", last_s_, time_s));
     }
+    late_in_a_row_ = 0;
     if (any_ && time_s - last_s_ > kLongestSilence_s) {
-      if (!settled_) RefuseSteps(time_s - last_s_);
-      due = Rest();
-      Restart(time_s - last_s_);
+      if (!ever_settled_ && ++restarts_unsettled_ >= kRestartsUnsettled) RefuseSteps(time_s - last_s_);
+      if (settled_) due = Due(last_s_);
+      Restart(Sentence("nothing came for %.0f s", time_s - last_s_));
     }
     if (!any_) first_s_ = time_s;
+    if (any_) clock_s_ += std::min(time_s - last_s_, kStall_s);
     any_ = true;
     last_s_ = time_s;
     if (!settled_) {
@@ -61,13 +72,17 @@ class LiveRepair::Stream {
     }
     for (Eigen::VectorXd& result : Due(time_s - Delay())) due.push_back(std::move(result));
     TellDead();
+    if (!told_lengths_ && last_s_ - first_s_ > kLengthsAfter_s) TellLengths();
     Forget();
     return due;
   }
 
   std::vector<Eigen::VectorXd> Finish() {
-    std::vector<Eigen::VectorXd> due = Rest();
+    if (any_ && !settled_) Settle();
+    std::vector<Eigen::VectorXd> due;
+    if (any_) due = Due(last_s_);
     TellDead();
+    if (settled_ && !told_lengths_) TellLengths();
     for (std::size_t s = 0; s < sensors_.size(); ++s) TellCounts(s);
     if (late_samples > 0) notes.push_back(Sentence("%.0f samples came after later ones and were passed over", static_cast<double>(late_samples)));
     return due;
@@ -80,6 +95,7 @@ class LiveRepair::Stream {
   }
 
   std::vector<int> Dead() const {
+    if (!settled_) return dead_before_;  // what was due when the clock started anew is of them
     std::vector<int> dead;
     for (std::size_t s = 0; s < sensors_.size(); ++s) {
       if (CauseOfDeath(s)) dead.push_back(static_cast<int>(s));
@@ -97,34 +113,36 @@ class LiveRepair::Stream {
     double heard = 0;        // samples so far
     double mean_height = 0;  // of samples above the line between their neighbours
     double last_heard_s = -std::numeric_limits<double>::infinity();
+    double last_heard_clock_s = 0;  // without the time in which nobody spoke
     double last_change_s = 0;
-    double mean_norm = 0, mean_norm_square = 0;
     bool has_gravity = true, told_dead = false;
     std::int64_t wild = 0;
+    int gaps = 0, deaths = 0;
     std::array<double, 6> extremes = {};  // greatest of each axis, then of its opposite
     std::array<int, 6> at_extreme = {};   // samples that say exactly so
   };
 
   bool Averages() const { return !markers_ && 1 / step_s_ > 1.05 * options_.rate_hz; }
 
-  std::vector<Eigen::VectorXd> Rest() {
-    if (!any_) return {};
-    if (!settled_) Settle();
-    return Due(last_s_);
-  }
-
   [[noreturn]] static void RefuseSteps(double step_s) {
     throw std::invalid_argument(Sentence("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", step_s));
   }
 
-  void Restart(double silence_s) {
-    notes.push_back(Sentence("nothing came for %.0f s; the clock was started anew: the frames that follow are later by as much than their times say", silence_s));
+  void Restart(const std::string& why) {
+    if (++restarts_ <= kDeathsTold) notes.push_back(why + "; the clock was started anew: frames go on being counted from the last one");
+    dead_before_ = Dead();
     settled_ = any_ = false;
+    late_in_a_row_ = 0;
+    waiting_.clear();
+    waiting_times_.clear();
     for (Sensor& sensor : sensors_) {  // what is only counted is told at the end
       Sensor anew;
       anew.wild = sensor.wild;
       anew.extremes = sensor.extremes;
       anew.at_extreme = sensor.at_extreme;
+      anew.gaps = sensor.gaps;
+      anew.deaths = sensor.deaths;
+      anew.told_dead = sensor.told_dead;
       sensor = std::move(anew);
     }
     results_ = 0;
@@ -136,7 +154,7 @@ class LiveRepair::Stream {
     if (!settled_) return nullptr;
     if (sensor.heard == 0) return "says nothing";
     if (!sensor.has_gravity) return "shows no gravity, or in another unit than the others";
-    if (last_s_ - sensor.last_heard_s > options_.dead_after_s) return "has gone silent";
+    if (clock_s_ - sensor.last_heard_clock_s > options_.dead_after_s) return "has gone silent";
     if (!markers_ && last_s_ - sensor.last_change_s > options_.dead_after_s && OtherMoves(s)) return "says the same all the time while others move";
     return nullptr;
   }
@@ -147,12 +165,14 @@ class LiveRepair::Stream {
       const char* cause = CauseOfDeath(s);
       if ((cause != nullptr) == sensor.told_dead) continue;
       sensor.told_dead = cause != nullptr;
+      if (++sensor.deaths > 2 * kDeathsTold) continue;
       notes.push_back("'" + names_[s] + "' " + (cause ? std::string(cause) + Sentence("; it is left out from %.2f s on", last_s_) : Sentence("is of use again from %.2f s on", last_s_)));
     }
   }
 
   void TellCounts(std::size_t s) {
     const Sensor& sensor = sensors_[s];
+    if (sensor.gaps > kGapsTold) notes.push_back("'" + names_[s] + Sentence("' was silent in %.0f more places", sensor.gaps - kGapsTold));
     if (sensor.wild > 0) notes.push_back("'" + names_[s] + Sentence("': %.0f wild samples were replaced", static_cast<double>(sensor.wild)));
     for (std::size_t side = 0; side < sensor.extremes.size(); ++side) {
       if (markers_ || sensor.extremes[side] < kLeastPlateau_m_s2 || sensor.at_extreme[side] < kLeastPlateauSamples) continue;
@@ -185,10 +205,9 @@ class LiveRepair::Stream {
       if (track.step_s > 0) step_s_ = std::min(step_s_, track.step_s);
     }
     if (!std::isfinite(step_s_)) step_s_ = 1 / options_.rate_hz;
-    if (step_s_ > kLongestStep_s) RefuseSteps(step_s_);
-    if (!markers_ && unit_ == 1) {
-      if (const double least = LeastMean(tracks); least > kMostMean_m_s2) notes.push_back(OddLengths(least));
-    }
+    if (step_s_ > 1.01 * kLongestStep_s) RefuseSteps(step_s_);
+    if (step_s_ < kShortestStep_s) throw std::invalid_argument(Sentence("the samples are %.4g s apart; times are in seconds", step_s_));
+    ever_settled_ = true;
     for (std::size_t s = 0; s < tracks.size(); ++s) sensors_[s].track.step_s = tracks[s].step_s > 0 ? tracks[s].step_s : step_s_;
     settled_ = true;
     for (std::size_t i = 0; i < waiting_.size(); ++i) Add(waiting_times_[i], waiting_[i]);
@@ -201,24 +220,25 @@ class LiveRepair::Stream {
       Sensor& sensor = sensors_[s];
       const Eigen::Vector3d value = unit_ * values.segment<3>(3 * static_cast<Eigen::Index>(s));
       if (!value.allFinite()) continue;
-      if (!markers_ && value.cwiseAbs().maxCoeff() > kWidestRange_m_s2) {
+      if (value.cwiseAbs().maxCoeff() > (markers_ ? kFarthest_m : kWidestRange_m_s2)) {
         ++wild_samples, ++sensor.wild;
         continue;
       }
       // A gap is told when it ends, but for a sensor that was told dead.
       if (sensor.heard > 0 && !sensor.told_dead && time_s - sensor.last_heard_s - sensor.track.step_s > options_.told_gap_s) {
-        notes.push_back("'" + names_[s] + Sentence("' was silent from %.2f s to %.2f s; ", sensor.last_heard_s, time_s) + (markers_ ? "held" : "filled with its mean"));
+        if (++sensor.gaps <= kGapsTold)
+          notes.push_back("'" + names_[s] + Sentence("' was silent from %.2f s to %.2f s; ", sensor.last_heard_s, time_s) + (markers_ ? "held" : "filled with its mean"));
       }
       if (sensor.track.empty() || value != sensor.track.values.back()) sensor.last_change_s = time_s;
       sensor.last_heard_s = time_s;
+      sensor.last_heard_clock_s = clock_s_;
       sensor.track.times_s.push_back(time_s);
       sensor.track.values.push_back(value);
       sensor.heard += 1;
       JudgeSpike(&sensor);
+      if (!markers_ && static_cast<std::int64_t>(sensor.heard) % kJudgeEvery == 0) sensor.has_gravity = IsLikeGravity(sensor.track.MedianNorm());
       const double weight = std::max(1 / sensor.heard, sensor.track.step_s / kMeanOver_s);
       sensor.mean += weight * (value - sensor.mean);
-      sensor.mean_norm += weight * (value.norm() - sensor.mean_norm);
-      sensor.mean_norm_square += weight * (value.squaredNorm() - sensor.mean_norm_square);
     }
   }
 
@@ -247,19 +267,36 @@ class LiveRepair::Stream {
     sensor->mean_height += std::max(1 / sensor->heard, track.step_s / kMeanOver_s) * (measure.height - sensor->mean_height);
   }
 
+  // In the time after which a sensor is taken for dead.
   bool OtherMoves(std::size_t sensor) const {
     for (std::size_t s = 0; s < sensors_.size(); ++s) {
-      const double variance = sensors_[s].mean_norm_square - sensors_[s].mean_norm * sensors_[s].mean_norm;
-      if (s != sensor && variance > kMoving_m_s2 * kMoving_m_s2) return true;
+      if (s == sensor) continue;
+      const SensorTrack& track = sensors_[s].track;
+      double n = 0, sum = 0, squares = 0;
+      for (std::size_t i = track.values.size(); i-- > 0 && track.times_s[i] >= last_s_ - options_.dead_after_s;) {
+        const double norm = track.values[i].norm();
+        n += 1, sum += norm, squares += norm * norm;
+      }
+      if (n > 2 && squares / n - (sum / n) * (sum / n) > kMoving_m_s2 * kMoving_m_s2) return true;
     }
     return false;
+  }
+
+  void TellLengths() {
+    told_lengths_ = true;
+    if (markers_ || unit_ != 1) return;
+    double least = std::numeric_limits<double>::infinity();
+    for (const Sensor& sensor : sensors_) {
+      if (sensor.heard > 0 && sensor.has_gravity) least = std::min(least, sensor.mean.norm());
+    }
+    if (std::isfinite(least) && least > kMostMean_m_s2) notes.push_back(OddLengths(least));
   }
 
   void Forget() {
     for (Sensor& sensor : sensors_) {
       std::vector<double>& times = sensor.track.times_s;
       // One is kept from which a silent sensor is continued. Rarely, so that it costs little a sample.
-      if (times.size() < 64 || times[times.size() / 2] > last_s_ - kKept_s) continue;
+      if (times.size() < 64 || (times[times.size() / 2] > last_s_ - kKept_s && times.size() < kMostKept)) continue;
       const auto old = static_cast<std::ptrdiff_t>(times.size() / 2);
       times.erase(times.begin(), times.begin() + old);
       sensor.track.values.erase(sensor.track.values.begin(), sensor.track.values.begin() + old);
@@ -304,7 +341,10 @@ class LiveRepair::Stream {
   std::vector<Sensor> sensors_;
   std::vector<double> waiting_times_;  // before it has settled
   std::vector<Eigen::VectorXd> waiting_;
-  bool settled_ = false, any_ = false;
+  bool settled_ = false, any_ = false, ever_settled_ = false, told_lengths_ = false;
+  int late_in_a_row_ = 0, restarts_ = 0, restarts_unsettled_ = 0;
+  double clock_s_ = 0;
+  std::vector<int> dead_before_;
   double unit_ = 1, step_s_ = 0, first_s_ = 0, last_s_ = 0;
   std::int64_t results_ = 0;
 };

@@ -117,7 +117,7 @@ class StreamRepair {
     double fastest_s = std::numeric_limits<double>::infinity();
     for (const int s : living_) fastest_s = std::min(fastest_s, Track(s).step_s);
     native_hz_ = 1 / fastest_s;
-    if (fastest_s > kLongestStep_s) throw DatasetError(source_, Text("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", fastest_s));
+    if (fastest_s > 1.01 * kLongestStep_s) throw DatasetError(source_, Text("the samples are %.4g s apart; at least 4 a second are needed (times are in seconds)", fastest_s));
     if (span_s_ * native_hz_ * 3 * in_.sensor_count() > kMostValues) throw DatasetError(source_, Text("the time stamps span %.0f s at %.0f samples a second: too many", span_s_, native_hz_));
   }
 
@@ -161,10 +161,8 @@ class StreamRepair {
       spikes += gone[i] ? 0 : 1;
       gone[i] = 1;
     };
-    if (!markers_) {
-      for (std::size_t i = 0; i < samples; ++i) {
-        if (track.values[i].cwiseAbs().maxCoeff() > kWidestRange_m_s2) mark(i);
-      }
+    for (std::size_t i = 0; i < samples; ++i) {
+      if (track.values[i].cwiseAbs().maxCoeff() > (markers_ ? kFarthest_m : kWidestRange_m_s2)) mark(i);
     }
     if (samples >= 5) {
       std::vector<double> heights;

@@ -18,12 +18,11 @@ constexpr std::chrono::milliseconds kLook{200};  // whether the server is to sto
 
 // Until so many bytes are buffered.
 void ChunkedBody::WaitFor(std::size_t bytes) {
-  const auto deadline = std::chrono::steady_clock::now() + patience_;
   while (socket_->buffered().size() < bytes) {
     const auto now = std::chrono::steady_clock::now();
     if (*stopping_) throw ProblemError(503, "the server is about to stop");
-    if (now >= deadline) throw ProblemError(408, "nothing came for " + std::to_string(patience_.count()) + " seconds");
-    if (!socket_->Fill(std::min(deadline, now + kLook), kPiece) && socket_->IsClosedByPeer()) throw ProblemError(400, "the body was cut short");
+    if (now >= deadline_) throw ProblemError(408, "no line came for " + std::to_string(patience_.count()) + " seconds");
+    if (!socket_->Fill(std::min(deadline_, now + kLook), kPiece) && socket_->IsClosedByPeer()) throw ProblemError(400, "the body was cut short");
   }
 }
 
@@ -61,6 +60,7 @@ std::string ChunkedBody::Next() {
   std::string piece(socket_->buffered().substr(0, taken));
   socket_->Consume(taken);
   left_ -= taken;
+  if (piece.find('\n') != std::string::npos) deadline_ = std::chrono::steady_clock::now() + patience_;
   return piece;
 }
 

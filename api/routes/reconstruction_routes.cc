@@ -5,6 +5,7 @@
 
 #include "api/clip_response.h"
 #include "api/content_negotiation.h"
+#include "api/error_mapping.h"
 #include "api/glb_writer.h"
 #include "api/internal/limited_places.h"
 #include "api/problem.h"
@@ -44,16 +45,18 @@ class Lines {
   /// The next line without its end; none at the end of the body. Waits for it. @throws ProblemError as HttpRequest::incoming, and 413 for a line without end.
   std::optional<std::string> Next() {
     while (true) {
-      const std::size_t end = text_.find('\n', at_);
+      const std::size_t end = text_.find('\n', std::max(at_, seen_));
+      seen_ = text_.size();
       if (end != std::string::npos) {
         std::string line = text_.substr(at_, end - at_);
-        at_ = end + 1;
+        seen_ = at_ = end + 1;
         return line;
       }
       if (text_.size() - at_ > kLongestLine) throw ProblemError(413, "a line is too long");
       const std::string more = incoming_ ? incoming_() : std::string();
       if (more.empty()) break;
       text_.erase(0, at_);
+      seen_ -= at_;
       at_ = 0;
       text_ += more;
     }
@@ -65,7 +68,7 @@ class Lines {
 
  private:
   std::string text_;
-  std::size_t at_ = 0;
+  std::size_t at_ = 0, seen_ = 0;  // the next line begins; no line ends before
   std::function<std::string()> incoming_;
 };
 
@@ -98,10 +101,10 @@ HttpResponse StreamReconstruction(Service* service, const HttpRequest& request) 
         answer->done = !line;
         lines = line ? answer->stream->Push(*line) : answer->stream->Finish();
       }
-    } catch (const ProblemError& error) {
+    } catch (...) {
       // The answer is under way: the last line says why it ends.
       answer->done = true;
-      lines = nlohmann::ordered_json({{"error", {{"line", answer->line}, {"detail", ProblemLine(error.problem())}}}}).dump() + "\n";
+      lines = nlohmann::ordered_json({{"error", {{"line", answer->line}, {"detail", ProblemLine(ProblemFrom(std::current_exception()))}}}}).dump() + "\n";
     }
     return lines;
   };

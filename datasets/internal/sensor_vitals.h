@@ -17,6 +17,9 @@ inline constexpr double kWidestRange_m_s2 = 17 * kGravityOfUnits_m_s2;
 inline constexpr double kLeastPlateau_m_s2 = 12;
 inline constexpr int kLeastPlateauSamples = 3;
 
+/// No marker on a body is farther from the origin.
+inline constexpr double kFarthest_m = 1e4;
+
 /// Samples that are farther apart tell nothing of a walk, whose steps take half a second.
 inline constexpr double kLongestStep_s = 0.25;
 

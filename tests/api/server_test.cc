@@ -218,6 +218,7 @@ TEST_F(ServerTest, AnswersBodiesThatAreStillBeingSentWhereTheRouteTakesThem) {
   EXPECT_EQ(AnswerTo("POST /live HTTP/1.1\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: gzip, chunked\r\n\r\n").status, 411);
   EXPECT_EQ(AnswerTo("POST /live HTTP/1.0\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: chunked\r\n\r\n").status, 411);
   EXPECT_EQ(AnswerTo(head + "20000\r\n" + std::string(0x20000, 'x')).status, 413);  // a first line without end
+  EXPECT_EQ(AnswerTo(head + "6\r\nfirst \r\n20000\r\nline\n" + std::string(0x20000 - 5, 'x') + "\r\n0\r\n\r\n").status, 200);
 }
 
 TEST_F(ServerTest, BodiesThatStopComingAreLetGo) {
@@ -226,9 +227,17 @@ TEST_F(ServerTest, BodiesThatStopComingAreLetGo) {
   Start(options);
   const std::string head = "POST /live HTTP/1.1\r\nHost: t\r\nContent-Type: text/live\r\nTransfer-Encoding: chunked\r\n\r\n";
   EXPECT_EQ(AnswerTo(head + "3\r\nfir").status, 408);
+  // Bytes that drip win no time; lines do.
+  RawConnection drip(port_);
+  drip.Send(head);
+  const auto begun = std::chrono::steady_clock::now();
+  while (std::chrono::steady_clock::now() - begun < milliseconds(1500) && drip.Send("1\r\nx\r\n")) std::this_thread::sleep_for(milliseconds(100));
+  const auto refused = drip.Read(1000);
+  ASSERT_TRUE(refused);
+  EXPECT_EQ(refused->status, 408);
   RawConnection later(port_);
   ASSERT_TRUE(later.Send(head + "6\r\nfirst\n\r\n"));
-  EXPECT_EQ(later.ReadSome("nothing came for 1 seconds"), "nothing came for 1 seconds");
+  EXPECT_EQ(later.ReadSome("no line came for 1 seconds"), "no line came for 1 seconds");
 }
 
 TEST_F(ServerTest, BodiesWhereNoneIsTakenCannotPassAsANextRequest) {

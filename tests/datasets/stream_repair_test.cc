@@ -470,6 +470,104 @@ TEST(LiveRepair, StartsAnewAfterALongSilenceAndRefusesNonsense) {
   EXPECT_THAT(silent.dead_sensors(), ElementsAre(0));
 }
 
+std::string Joined(const std::vector<std::string>& notes) {
+  std::string all;
+  for (const std::string& note : notes) all += note + "\n";
+  return all;
+}
+
+const std::vector<std::string> kFour = {"left_wrist", "right_wrist", "left_ankle", "right_ankle"};
+
+// Results of the samples of Clean(), each at the time that is told of it.
+int ResultsOf(LiveRepair* repair, const std::function<double(int)>& time_s, const std::function<void(int, Eigen::VectorXd*)>& damage = {}) {
+  int results = 0;
+  const auto count = [&](const std::vector<Eigen::VectorXd>& due) {
+    for (const Eigen::VectorXd& result : due) EXPECT_TRUE(result.allFinite());
+    results += static_cast<int>(due.size());
+  };
+  for (int i = 0; i < Clean().sample_count(); ++i) {
+    Eigen::VectorXd values = Clean().values.col(i);
+    if (damage) damage(i, &values);
+    count(repair->Push(time_s(i), values));
+  }
+  count(repair->Finish());
+  return results;
+}
+
+TEST(LiveRepair, FollowsClocksThatAreSetBackOrLeapOnce) {
+  const int whole = (Clean().sample_count() - 1) / 2 + 1;
+  LiveRepair back(kFour);
+  EXPECT_GT(ResultsOf(&back, [](int i) { return i < 300 ? 100 + i / 60.0 : i / 60.0; }), whole - 25);
+  EXPECT_THAT(Joined(back.notes()), HasSubstr("set back from 104.98 s"));
+  LiveRepair leap(kFour);
+  EXPECT_GT(ResultsOf(&leap, [](int i) { return i == 300 ? 1e6 : i / 60.0; }), whole - 40);
+  LiveRepair pauses(kFour);  // the first, before enough has come to begin with
+  EXPECT_GT(ResultsOf(&pauses, [](int i) { return i / 60.0 + (i >= 3 ? 12 : 0) + (i >= 400 ? 12 : 0) + (i >= 405 ? 12 : 0); }), whole - 25);
+}
+
+TEST(LiveRepair, RefusesTimesThatAreNotInSeconds) {
+  for (const double unit : {1e3, 1e-9}) {
+    LiveRepair repair(kFour);
+    EXPECT_THROW(ResultsOf(&repair, [&](int i) { return unit * i / 60; }), std::invalid_argument) << unit;
+  }
+  // A median of next to nothing would ask for endless averages.
+  LiveRepair bursts(kFour);
+  EXPECT_THROW(ResultsOf(&bursts, [](int i) { return i < 11 ? 1e-15 * i : 0.6 + i / 60.0; }), std::invalid_argument);
+}
+
+TEST(LiveRepair, SensorsThatWakeLateLiveAndStallsOfAllKillNone) {
+  LiveRepair late(kFour);
+  ResultsOf(&late, [](int i) { return i / 60.0; }, [](int i, Eigen::VectorXd* values) {
+    if (i < 40) values->head<3>().setZero();
+  });
+  EXPECT_THAT(late.dead_sensors(), IsEmpty());
+  EXPECT_THAT(Joined(late.notes()), HasSubstr("'left_wrist' is of use again"));
+  // Each sensor on lines of its own, and two seconds in which none comes.
+  LiveRepair stall(kFour);
+  for (int i = 0; i < 4 * Clean().sample_count(); ++i) {
+    Eigen::VectorXd values = Eigen::VectorXd::Constant(12, kNan);
+    values.segment<3>(3 * (i % 4)) = Clean().values.col(i / 4).segment<3>(3 * (i % 4));
+    stall.Push(i / 240.0 + (i >= 1200 ? 2 : 0), values);
+  }
+  EXPECT_THAT(Joined(stall.notes()), Not(HasSubstr("left out")));
+  EXPECT_THAT(Joined(stall.notes()), HasSubstr("was silent from"));
+}
+
+// A person who stands: readings of a coarse sensor say the same for seconds.
+TEST(LiveRepair, StandingKillsNoCoarseSensor) {
+  std::mt19937_64 rng(3);
+  LiveRepair repair(kFour);
+  const auto coarse = [&](Eigen::VectorXd values) {
+    const double step = 0.01 * 9.81;
+    for (double& value : values) value = step * std::round((value + 0.005 * testing::RandomUniform(-1, 1, rng)) / step);
+    return values;
+  };
+  for (int i = 0; i < 1500; ++i) repair.Push(i / 60.0, coarse(Clean().values.col(std::min(i, 300))));
+  EXPECT_THAT(repair.dead_sensors(), IsEmpty());
+  EXPECT_LT(repair.notes().size(), 5u) << Joined(repair.notes());
+}
+
+TEST(LiveRepair, TellsNoMoreOfHoursThanOfMinutes) {
+  LiveRepair repair({"wrist", "ankle"});
+  for (int i = 0; i < 200'000; ++i) {
+    const double phase = i / 10.0;
+    repair.Push(i / 30.0 + 0.4 * (i / 50) + (i / 5000) * 11.0,
+                (Eigen::VectorXd(6) << std::sin(phase), 9.81, 0, 0, 9.81 + 3 * std::cos(phase), i % 1000 < 500 ? std::sin(phase) : kNan).finished());
+  }
+  EXPECT_LT(repair.notes().size(), 100u);
+}
+
+TEST(LiveRepair, MarkersBeyondAllMeasureAreWild) {
+  const Readings markers = VirtualMarkers(Walk(), PlacementsAtJoints({"hips", "head", "left_ankle", "right_ankle"}));
+  LiveRepair repair(kFour, {.kind = ReadingsKind::kMarkers});
+  for (int i = 0; i < markers.sample_count(); ++i) {
+    Eigen::VectorXd values = markers.values.col(i);
+    if (i == 90 || i == 91) values.head<3>().setConstant(1e300);
+    for (const Eigen::VectorXd& result : repair.Push(markers.times_s[static_cast<std::size_t>(i)], values)) EXPECT_LT(result.cwiseAbs().maxCoeff(), 100);
+  }
+  EXPECT_EQ(repair.wild_samples(), 2);
+}
+
 // Feet of runners are thrown about by several g: none of their sensors is dead, and their blows are no spikes.
 TEST(StreamRepair, LeavesSensorsOfRunnersAlive) {
   MORPHOGRAPH_REQUIRE_SHARED_DATA();
