@@ -95,10 +95,13 @@ SharedMargin FindSharedMargin(const MotionPrimitive& from, const MotionPrimitive
   return margin;
 }
 
-Eigen::MatrixXd SharedMarginMap(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start, double noise_variance) {
-  Eigen::MatrixXd information = start.transpose() * start;
+SharedMarginMap::SharedMarginMap(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start)
+    : information_(start.transpose() * start), shared_(start.transpose() * end) {}
+
+Eigen::MatrixXd SharedMarginMap::WithNoise(double noise_variance) const {
+  Eigen::MatrixXd information = information_;
   information.diagonal().array() += noise_variance;
-  return information.llt().solve(start.transpose() * end);
+  return information.llt().solve(shared_);
 }
 
 }  // namespace morphograph

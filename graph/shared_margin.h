@@ -27,7 +27,14 @@ SharedMargin FindSharedMargin(const MotionPrimitive& from, const MotionPrimitive
 /// What a step of whitened value w says of the one after it by this motion alone: A w is the mean of w' ~ N(0, I) given that
 ///   start w' = end w + noise of the given variance,
 /// A = (S^T S + noise I)^-1 S^T E, S of `start` (values x E), E of `end` (values x D).
-/// @param noise_variance  > 0, in the squared unit of the values. @return (E x D).
-Eigen::MatrixXd SharedMarginMap(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start, double noise_variance);
+class SharedMarginMap {
+ public:
+  SharedMarginMap(const Eigen::MatrixXd& end, const Eigen::MatrixXd& start);
+  /// A. @param noise_variance  > 0, in the squared unit of the values. @return (E x D).
+  Eigen::MatrixXd WithNoise(double noise_variance) const;
+
+ private:
+  Eigen::MatrixXd information_, shared_;  // S^T S, S^T E
+};
 
 }  // namespace morphograph

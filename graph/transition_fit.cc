@@ -47,15 +47,16 @@ Eigen::MatrixXd MapOfSharedMargin(const SharedMargin& margin, const TransitionPa
     return scaled;
   };
   const std::vector<Eigen::MatrixXd> ends = within(margin.end, pairs.previous_manner), starts = within(margin.start, pairs.next_manner);
+  std::vector<std::pair<double, SharedMarginMap>> maps;  // by shares
+  for (const auto& [components, share] : shares) {
+    maps.emplace_back(share, SharedMarginMap(ends[static_cast<size_t>(components.first)], starts[static_cast<size_t>(components.second)]));
+  }
   const double scale = starts.front().squaredNorm() / static_cast<double>(starts.front().cols());
   Eigen::MatrixXd best = Eigen::MatrixXd::Zero(to.values.rows(), from.values.rows());
   double least = to.values.squaredNorm();
   for (double log_noise = -4; log_noise <= 1; log_noise += 0.25) {
     Eigen::MatrixXd map = Eigen::MatrixXd::Zero(best.rows(), best.cols());
-    for (const auto& [components, share] : shares) {
-      map += share * SharedMarginMap(ends[static_cast<size_t>(components.first)], starts[static_cast<size_t>(components.second)],
-                                     scale * std::pow(10, log_noise));
-    }
+    for (const auto& [share, of_components] : maps) map += share * of_components.WithNoise(scale * std::pow(10, log_noise));
     const double missed = (to.values - map * from.values).squaredNorm();
     if (missed < least) least = missed, best = std::move(map);
   }

@@ -14,9 +14,9 @@ namespace {
 TEST(SharedMarginMap, IsExactWhereTheSharedMotionSaysEverything) {
   std::mt19937_64 rng(3);
   const Eigen::MatrixXd start = testing::RandomNormal(20, 6, rng), wanted = testing::RandomNormal(6, 5, rng);
-  EXPECT_LT((SharedMarginMap(start * wanted, start, 1e-10) - wanted).norm(), 1e-6);
+  EXPECT_LT((SharedMarginMap(start * wanted, start).WithNoise(1e-10) - wanted).norm(), 1e-6);
   // The noisier, the less is believed.
-  EXPECT_LT(SharedMarginMap(start * wanted, start, 1e3).norm(), 0.1 * wanted.norm());
+  EXPECT_LT(SharedMarginMap(start * wanted, start).WithNoise(1e3).norm(), 0.1 * wanted.norm());
 }
 
 // One is the conditional mean of a joint normal distribution, by another way: w' ~ N(0, I), start w' + e = end w.
@@ -24,7 +24,7 @@ TEST(SharedMarginMap, IsTheConditionalMean) {
   std::mt19937_64 rng(4);
   const Eigen::MatrixXd start = testing::RandomNormal(4, 7, rng), end = testing::RandomNormal(4, 5, rng);
   const Eigen::MatrixXd covariance = start * start.transpose() + 0.3 * Eigen::MatrixXd::Identity(4, 4);
-  EXPECT_LT((SharedMarginMap(end, start, 0.3) - start.transpose() * covariance.inverse() * end).norm(), 1e-10);
+  EXPECT_LT((SharedMarginMap(end, start).WithNoise(0.3) - start.transpose() * covariance.inverse() * end).norm(), 1e-10);
 }
 
 class SharedMarginOfWalks : public ::testing::Test {
