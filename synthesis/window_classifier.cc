@@ -118,6 +118,17 @@ Windows CutAlike(const std::vector<MotionClip>& drawn, const std::vector<int>& l
   return windows;
 }
 
+std::vector<ClipHalves> RandomHalvings(size_t clips, const WindowClassifierOptions& options) {
+  std::mt19937_64 rng(options.seed);
+  std::vector<ClipHalves> halvings(static_cast<size_t>(std::max(0, options.halvings)));
+  for (auto& [a, b] : halvings) {
+    std::vector<int> order = Ascending(clips);
+    Shuffle(&order, rng);
+    for (size_t i = 0; i < order.size(); ++i) (i % 2 == 0 ? a : b).push_back(order[i]);
+  }
+  return halvings;
+}
+
 std::vector<int> LengthsOf(const std::vector<int>& frames, const std::vector<int>& clips) {
   std::vector<int> lengths;
   for (const int i : clips) lengths.push_back(frames.at(i));
@@ -218,63 +229,61 @@ double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::ve
   return CrossValidatedAuc(CutAlike(AtEvaluationRate(synthesised, options.jobs), lengths, options.noise_m, single.seed), second, single);
 }
 
-WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
-                            const std::vector<ClipHalves>& halvings, const WindowClassifierOptions& options) {
-  if (synthesised.empty()) throw std::invalid_argument("TellApart: no synthesised clip");
-  if (halvings.empty()) throw std::invalid_argument("TellApart: no halving");
-  const std::vector<MotionClip> drawn = AtEvaluationRate(synthesised, options.jobs);
-  Windows of_captured(captured.size());
+HalvedCapture::HalvedCapture(const std::vector<MotionClip>& captured, std::vector<ClipHalves> halvings, const WindowClassifierOptions& options)
+    : halvings_(halvings.size()), options_(options) {
+  if (halvings.empty()) throw std::invalid_argument("HalvedCapture: no halving");
+  Windows windows(captured.size());
   std::vector<int> frames(captured.size());
   ParallelFor(options.jobs, static_cast<int>(captured.size()), [&](int i) {
     const MotionClip clip = AtEvaluationRate(captured[i]);
     frames[i] = clip.frame_count();
-    of_captured[i] = NoisyPoseWindows(clip, options.noise_m, CapturedSeed(options, i));
+    windows[i] = NoisyPoseWindows(clip, options.noise_m, CapturedSeed(options, i));
   });
-
   const int count = static_cast<int>(halvings.size());
-  std::vector<double> areas(2 * halvings.size());  // per halving: synthesised, floor
-  std::vector<Eigen::Index> sizes(halvings.size());
-  ParallelFor(options.jobs, 2 * count, [&](int task) {
-    const int h = task / 2;
-    const std::uint64_t seed = HalvingSeed(options, h);
-    WindowClassifierOptions single = options;
-    single.jobs = 1;
-    single.seed = seed;
+  ParallelFor(options.jobs, count, [&](int h) {
+    Halving& halving = halvings_[h];
     const auto& [a, b] = halvings[h];
-    Windows first, second;
-    for (const int i : b) second.push_back(of_captured.at(i));
-    if (task % 2 == 1) {
-      for (const int i : a) first.push_back(of_captured.at(i));
-      sizes[h] = std::min(CountWindows(first), CountWindows(second));
-    } else {
-      first = CutAlike(drawn, LengthsOf(frames, a), options.noise_m, seed);
-    }
-    areas[task] = CrossValidatedAuc(first, second, single);
+    halving.lengths = LengthsOf(frames, a);
+    for (const int i : b) halving.against.push_back(windows.at(i));
+    halving.classifier = options;
+    halving.classifier.jobs = count == 1 ? options.jobs : 1;
+    halving.classifier.seed = HalvingSeed(options, h);
+    Windows first;
+    for (const int i : a) first.push_back(windows.at(i));
+    halving.windows = static_cast<int>(std::min(CountWindows(first), CountWindows(halving.against)));
+    halving.floor = CrossValidatedAuc(first, halving.against, halving.classifier);
   });
+}
 
+HalvedCapture::HalvedCapture(const std::vector<MotionClip>& captured, const WindowClassifierOptions& options)
+    : HalvedCapture(captured, RandomHalvings(captured.size(), options), options) {}
+
+WindowDistinction HalvedCapture::Tell(const std::vector<MotionClip>& synthesised) const {
+  if (synthesised.empty()) throw std::invalid_argument("HalvedCapture: no synthesised clip");
+  const std::vector<MotionClip> drawn = AtEvaluationRate(synthesised, options_.jobs);
+  const int count = static_cast<int>(halvings_.size());
+  std::vector<double> areas(halvings_.size());
+  ParallelFor(options_.jobs, count, [&](int h) {
+    const Halving& halving = halvings_[h];
+    areas[h] = CrossValidatedAuc(CutAlike(drawn, halving.lengths, options_.noise_m, halving.classifier.seed), halving.against, halving.classifier);
+  });
   WindowDistinction result;
   double squares = 0;
   for (int h = 0; h < count; ++h) {
-    result.auc += areas[2 * h] / count;
-    result.floor += areas[2 * h + 1] / count;
-    result.windows += static_cast<int>(sizes[h]) / count;
+    result.auc += areas[h] / count;
+    result.floor += halvings_[h].floor / count;
+    result.windows += halvings_[h].windows / count;
   }
   result.difference = result.auc - result.floor;
-  for (int h = 0; h < count; ++h) squares += std::pow(areas[2 * h] - areas[2 * h + 1] - result.difference, 2);
+  for (int h = 0; h < count; ++h) squares += std::pow(areas[h] - halvings_[h].floor - result.difference, 2);
   if (count > 1) result.standard_error = std::sqrt(squares / (count - 1) / count);
   return result;
 }
 
 WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
                             const WindowClassifierOptions& options) {
-  std::mt19937_64 rng(options.seed);
-  std::vector<ClipHalves> halvings(static_cast<size_t>(std::max(0, options.halvings)));
-  for (auto& [a, b] : halvings) {
-    std::vector<int> order = Ascending(captured.size());
-    Shuffle(&order, rng);
-    for (size_t i = 0; i < order.size(); ++i) (i % 2 == 0 ? a : b).push_back(order[i]);
-  }
-  return TellApart(synthesised, captured, halvings, options);
+  if (synthesised.empty()) throw std::invalid_argument("TellApart: no synthesised clip");
+  return HalvedCapture(captured, options).Tell(synthesised);
 }
 
 }  // namespace morphograph

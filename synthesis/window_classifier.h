@@ -53,11 +53,13 @@ struct WindowDistinction {
 using ClipHalves = std::pair<std::vector<int>, std::vector<int>>;
 
 /// How well synthesised clips are told from those of B, for one halving (A, B) of the captured clips: the first of the two comparisons that
-/// TellApart() makes. @param halving  positions in `captured`. @return the area under the curve, 0.5 not at all, 1 always; options.halvings is
+/// HalvedCapture makes. @param halving  positions in `captured`. @return the area under the curve, 0.5 not at all, 1 always; options.halvings is
 /// of no account. @throws std::invalid_argument when B or the synthesised clips cannot fill the folds with windows, or there is no synthesised clip.
 double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured, const ClipHalves& halving,
                        const WindowClassifierOptions& options = {});
 
+/// Captured clips and how well halves of them are told from each other, for any number of sets of synthesised clips to be judged by.
+///
 /// For every halving (A, B) of the captured clips two comparisons, alike in everything but the first set:
 ///   floor: A against B;
 ///   auc:   synthesised clips, cut to the lengths of A's clips one by one, against B.
@@ -66,10 +68,30 @@ double AreaAgainstHalf(const std::vector<MotionClip>& synthesised, const std::ve
 /// Synthesised clips are taken in a random order and cut at random places; where there are fewer than captured ones, they are
 /// taken again. Halves of the same captured clips are not independent, so the standard error says how much halving adds, not how
 /// much another capture would differ.
-/// @throws std::invalid_argument when a half has fewer clips that hold a window than there are folds, or there is no synthesised clip.
-WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
-                            const std::vector<ClipHalves>& halvings, const WindowClassifierOptions& options = {});
-/// The same for `options.halvings` random halvings.
+class HalvedCapture {
+ public:
+  /// @param halvings  pairs of positions in `captured`; without them `options.halvings` random ones.
+  /// @throws std::invalid_argument when a half has fewer clips that hold a window than there are folds, or there is no halving.
+  HalvedCapture(const std::vector<MotionClip>& captured, std::vector<ClipHalves> halvings, const WindowClassifierOptions& options = {});
+  HalvedCapture(const std::vector<MotionClip>& captured, const WindowClassifierOptions& options = {});
+
+  /// @throws std::invalid_argument when there is no synthesised clip, or they cannot fill the folds with windows.
+  WindowDistinction Tell(const std::vector<MotionClip>& synthesised) const;
+
+ private:
+  struct Halving {
+    std::vector<int> lengths;              // of the clips of A, frames
+    std::vector<Eigen::MatrixXd> against;  // windows of B, a matrix a clip
+    WindowClassifierOptions classifier;
+    double floor = 0;
+    int windows = 0;  // of each set
+  };
+
+  std::vector<Halving> halvings_;
+  WindowClassifierOptions options_;
+};
+
+/// The same for one set.
 WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
                             const WindowClassifierOptions& options = {});
 

@@ -56,10 +56,10 @@ std::vector<MotionClip> SpreadOverStyles(const StyledClips& clips, size_t most) 
 }
 
 struct Reference {
-  std::vector<MotionClip> clips, some;  // on the model's body; some: for the classifier
+  std::vector<MotionClip> clips;  // on the model's body
   SetQuality quality;
   int piece_frames = 90;
-  int folds = 0;
+  std::optional<HalvedCapture> halved;  // some of them, for the classifier; none where they are too few
 };
 
 Measured Measure(const std::vector<MotionClip>& drawn, const Reference& reference, const StudyOptions& options) {
@@ -74,15 +74,7 @@ Measured Measure(const std::vector<MotionClip>& drawn, const Reference& referenc
     measured.frechet = CompareSets(drawn, reference.clips, options.seed).frechet_ratio;
   } catch (const std::invalid_argument&) {  // too few windows to tell
   }
-  if (reference.folds > 0) {
-    measured.auc_above_floor = TellApart(drawn, reference.some,
-                                         {.trees = options.quick ? 40 : 200,
-                                          .folds = reference.folds,
-                                          .halvings = options.quick ? 1 : 2,
-                                          .seed = options.seed,
-                                          .jobs = options.jobs})
-                                   .difference;
-  }
+  if (reference.halved) measured.auc_above_floor = reference.halved->Tell(drawn).difference;
   return measured;
 }
 
@@ -114,8 +106,13 @@ StudySection StudyAblations(StudyContext& context) {
     if (clip.frame_count() >= 15) reference.clips.push_back(clip);
   }
   const StyledClips by_style = ByStyle(reference.clips);
-  reference.some = SpreadOverStyles(by_style, 90);
-  reference.folds = reference.some.size() < 4 ? 0 : static_cast<int>(std::min<size_t>(5, reference.some.size() / 2));
+  if (const std::vector<MotionClip> some = SpreadOverStyles(by_style, 90); some.size() >= 4) {
+    reference.halved.emplace(some, WindowClassifierOptions{.trees = options.quick ? 40 : 200,
+                                                           .folds = static_cast<int>(std::min<size_t>(5, some.size() / 2)),
+                                                           .halvings = options.quick ? 1 : 2,
+                                                           .seed = options.seed,
+                                                           .jobs = options.jobs});
+  }
   reference.quality = MeasureSet(captured, {.piece_frames = reference.piece_frames});
 
   std::vector<int> all(captured.size());

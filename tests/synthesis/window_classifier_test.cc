@@ -148,7 +148,7 @@ TEST(AreaAgainstHalf, IsTheFirstComparisonOfTellApart) {
   const ClipHalves halving = {{0, 2, 4, 6, 8, 10}, {1, 3, 5, 7, 9, 11}};
   WindowClassifierOptions options{.trees = 30, .jobs = 2};
   const double area = AreaAgainstHalf(drawn, captured, halving, options);
-  EXPECT_EQ(area, TellApart(drawn, captured, std::vector<ClipHalves>{halving}, options).auc);
+  EXPECT_EQ(area, HalvedCapture(captured, {halving}, options).Tell(drawn).auc);
   options.jobs = 1;
   EXPECT_EQ(area, AreaAgainstHalf(drawn, captured, halving, options));
   EXPECT_THROW(AreaAgainstHalf({}, captured, halving, options), std::invalid_argument);
@@ -164,7 +164,7 @@ TEST(AreaAgainstHalf, KnowsAFewClipsAgainThatAreDrawnOverAndOver) {
   for (int i = 0; i < 20; ++i) (i % 2 == 0 ? halving.first : halving.second).push_back(i);
   for (int i = 0; i < 20; ++i) few.push_back(captured[i % 2 == 0 ? 4 : 12]);
   const WindowClassifierOptions options{.trees = 60, .jobs = 2};
-  const WindowDistinction once = TellApart(captured, captured, std::vector<ClipHalves>{halving}, options);
+  const WindowDistinction once = HalvedCapture(captured, {halving}, options).Tell(captured);
   EXPECT_GT(AreaAgainstHalf(few, captured, halving, options), once.floor + 0.15);
 }
 
