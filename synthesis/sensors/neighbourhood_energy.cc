@@ -94,6 +94,9 @@ NeighbourhoodEnergy::NeighbourhoodEnergy(const MotionBase& base, NeighbourhoodTa
       !fits(targets.smooth, positions) || !fits(targets.control, 3 * static_cast<Eigen::Index>(controlled_.size())) ||
       (inertial_.size() != 0 && inertial_.size() != positions))
     throw std::invalid_argument("NeighbourhoodEnergy: targets whose sizes do not fit together");
+  options_.motion *= targets.trust;
+  options_.smooth *= targets.trust;
+  options_.control *= targets.trust;
   FindSubspace(targets.poses, weights);
 
   // In the subspace a pose is short; what of a neighbour lies outside is a constant that softens its kernel.

@@ -38,6 +38,7 @@ struct NeighbourhoodTargets {
   Eigen::MatrixXd control;   // (3 * controlled x neighbours): Eq. 10
   std::vector<int> controlled;  // joints next to sensors, as places in the base's measured joints
   Eigen::VectorXd inertial;  // (3 * measured joints): where the joints come by themselves, 2 x^t - x^{t-1}
+  double trust = 1;          // 0 to 1: how much what goes on from the pose before counts: motion, smooth, control and least acceleration
 };
 
 /// The energy of a pose that neighbours of a reading define (Tautges Eq. 2), over the coordinates of the pose in the space that the neighbours' poses span: their weighted

@@ -56,23 +56,26 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
   }
 }
 
-OlngEstimator::OlngEstimator(std::shared_ptr<const OlngModel> model)
-    : model_(std::move(model)), graph_(FollowsOf(model_->base()), model_->options().graph) {}
-
-void OlngEstimator::FindPaths(const Eigen::VectorXd& reading) {
-  const OlngOptions& options = model_->options();
-  const Eigen::VectorXf query = model_->scale().cwiseProduct(reading.cast<float>());
+const std::vector<Neighbour>& NeighbourStream::Next(const Eigen::VectorXd& reading) {
+  const Eigen::VectorXf query = model_.scale().cwiseProduct(reading.cast<float>());
   // The K frames that were nearest to the last reading are no farther from this one than then and the way between the readings together.
   float bound = std::numeric_limits<float>::infinity();
   if (query_.size() != 0) {
     const float radius = (farthest_ + (query - query_).norm()) * 1.0001F + 1e-6F;
     bound = radius * radius;
   }
-  model_->search().Nearest(query, options.neighbours, &nearest_, bound);
+  model_.search().Nearest(query, model_.options().neighbours, &nearest_, bound);
   query_ = query;
   farthest_ = std::sqrt(std::max_element(nearest_.begin(), nearest_.end())->squared_distance);
+  return nearest_;
+}
 
-  best_ = graph_.Update(nearest_);
+OlngEstimator::OlngEstimator(std::shared_ptr<const OlngModel> model)
+    : model_(std::move(model)), graph_(FollowsOf(model_->base()), model_->options().graph), neighbours_(*model_) {}
+
+void OlngEstimator::KeepBest(std::vector<NeighbourPath> paths) {
+  const OlngOptions& options = model_->options();
+  best_ = std::move(paths);
   const auto cheaper = [](const NeighbourPath& a, const NeighbourPath& b) { return a.cost != b.cost ? a.cost < b.cost : a.frame < b.frame; };
   const std::size_t count = std::min(best_.size(), static_cast<std::size_t>(options.paths));
   const std::size_t sorted = std::min(best_.size(), count + 1);
@@ -96,6 +99,7 @@ NeighbourhoodTargets OlngEstimator::Targets() const {
   const Eigen::MatrixXf& tracks = base.positions();
   NeighbourhoodTargets targets;
   targets.weights = weights_;
+  targets.trust = trust_;
   targets.poses.resize(base.rotations().rows(), count);
   for (Eigen::Index i = 0; i < count; ++i) targets.poses.col(i) = base.rotations().col(best_[static_cast<std::size_t>(i)].frame).cast<double>();
   if (positions_.size() == 0) return targets;
@@ -141,19 +145,28 @@ NeighbourhoodTargets OlngEstimator::Targets() const {
   return targets;
 }
 
-BasePose OlngEstimator::Next(const Eigen::VectorXd& reading) {
-  const MotionBase& base = model_->base();
-  if (reading.size() != base.accelerations().rows()) {
-    throw std::invalid_argument("OlngEstimator: expected " + std::to_string(base.accelerations().rows()) + " values, got " +
-                                std::to_string(reading.size()));
-  }
+void OlngEstimator::Check(const Eigen::VectorXd& reading) const {
+  const Eigen::Index wanted = model_->base().accelerations().rows();
+  if (reading.size() != wanted) throw std::invalid_argument("OlngEstimator: expected " + std::to_string(wanted) + " values, got " + std::to_string(reading.size()));
   if (!reading.allFinite()) throw std::invalid_argument("OlngEstimator: a reading is not finite");
-  const OlngOptions& options = model_->options();
-  if (options.pose == OlngPose::kNearest) {
-    model_->search().Nearest(model_->scale().cwiseProduct(reading.cast<float>()), 1, &nearest_);
-    return base.Pose(nearest_.front().index);
+}
+
+BasePose OlngEstimator::Next(const Eigen::VectorXd& reading) {
+  Check(reading);
+  if (model_->options().pose == OlngPose::kNearest) {
+    std::vector<Neighbour> nearest;
+    model_->search().Nearest(model_->scale().cwiseProduct(reading.cast<float>()), 1, &nearest);
+    return model_->base().Pose(nearest.front().index);
   }
-  FindPaths(reading);
+  return Next(reading, graph_.Update(neighbours_.Next(reading)));
+}
+
+BasePose OlngEstimator::Next(const Eigen::VectorXd& reading, std::vector<NeighbourPath> paths) {
+  Check(reading);
+  if (paths.empty()) throw std::invalid_argument("OlngEstimator: no paths");
+  KeepBest(std::move(paths));
+  const MotionBase& base = model_->base();
+  const OlngOptions& options = model_->options();
   BasePose pose;
   Eigen::Vector4d travel = Eigen::Vector4d::Zero();
   for (std::size_t i = 0; i < best_.size(); ++i) {
@@ -176,6 +189,7 @@ BasePose OlngEstimator::Next(const Eigen::VectorXd& reading) {
   positions_ = MeasuredPositions(base, pose.rotations);
   rotations_ = pose.rotations;
   reading_ = reading;
+  trust_ += (1 - trust_) / options.graph.window_frames;
   return pose;
 }
 

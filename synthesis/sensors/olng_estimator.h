@@ -59,35 +59,52 @@ class OlngModel {
   std::vector<int> controlled_, controlling_;
 };
 
+/// Frames of the base whose readings are nearest, for one reading of a stream after the other.
+class NeighbourStream {
+ public:
+  explicit NeighbourStream(const OlngModel& model) : model_(model) {}
+  /// In no particular order; valid until the next call. @param reading  (3 * sensors), finite.
+  const std::vector<Neighbour>& Next(const Eigen::VectorXd& reading);
+
+ private:
+  const OlngModel& model_;
+  std::vector<Neighbour> nearest_;
+  Eigen::VectorXf query_;  // the reading before; empty at first
+  float farthest_ = 0;     // distance of its K-th neighbour
+};
+
 /// Motion from a stream of accelerations by the online lazy neighbourhood graph (Tautges et al. 2011): nearest readings of the base, joined to paths; the pose is that of
 /// least energy under priors from the ends of the best paths; the root goes as theirs do on the average, faster or slower as the paths do.
 ///
 /// Departures: priors are regularised normal distributions unless PriorKind::kKernel asks for the published kernels. Eq. 1 takes the (I+1)-th cost for the largest, so that no path is left without weight and I = 1 is defined. Eq. 6 as printed lands one frame late; with
 /// -1/2 a dt^2 it is the difference of the neighbour's last two frames. Eq. 9 is centred at t, and so are the accelerations it is compared with. Eq. 10 takes velocities
 /// at the paths' previous frames, and for gravity the tilt of the pose before, which the neighbours gave. Velocities and accelerations are scaled by the
-/// tempo of the path and its square.
+/// tempo of the path and its square. Terms that go on from the pose before gain their weight as paths do: after t readings 1 - (1 - 1/M)^t of it, for the first poses
+/// of a stream are little more than guesses.
 class OlngEstimator : public PoseEstimator {
  public:
   explicit OlngEstimator(std::shared_ptr<const OlngModel> model);
 
   /// Poses from the first reading on. @throws std::invalid_argument for a reading of another size, or not finite.
   BasePose Next(const Eigen::VectorXd& reading) override;
+  /// The same with the paths that end in this frame told, as ReconstructRecording() finds them. @param paths  in any order, at least one.
+  BasePose Next(const Eigen::VectorXd& reading, std::vector<NeighbourPath> paths);
 
   /// The paths that the last pose was made of, best first, and their weights. Empty after kNearest.
   const std::vector<NeighbourPath>& best_paths() const { return best_; }
   const Eigen::VectorXd& weights() const { return weights_; }
 
  private:
-  void FindPaths(const Eigen::VectorXd& reading);
+  void Check(const Eigen::VectorXd& reading) const;
+  void KeepBest(std::vector<NeighbourPath> paths);
   NeighbourhoodTargets Targets() const;
 
   std::shared_ptr<const OlngModel> model_;
   LazyNeighbourhoodGraph graph_;
-  std::vector<Neighbour> nearest_;
+  NeighbourStream neighbours_;
   std::vector<NeighbourPath> best_;
   Eigen::VectorXd weights_;
-  Eigen::VectorXf query_;
-  float farthest_ = 0;                  // distance of the K-th neighbour of the reading before
+  double trust_ = 0;                    // in the pose before
   Eigen::VectorXd reading_, rotations_;  // of the frame before; empty at first
   Eigen::VectorXd positions_, older_positions_;
 };

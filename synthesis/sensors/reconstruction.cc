@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <stdexcept>
+#include <type_traits>
 
 #include "datasets/marker_set.h"
 #include "datasets/quantile.h"
@@ -14,6 +15,7 @@
 #include "synthesis/sensors/marker_estimator.h"
 #include "synthesis/sensors/motion_source.h"
 #include "synthesis/sensors/olng_estimator.h"
+#include "synthesis/sensors/olng_recording.h"
 #include "synthesis/sensors/rbf_estimator.h"
 #include "synthesis/unsatisfiable_request.h"
 
@@ -65,7 +67,7 @@ SynthesisReport DescribeClip(const MotionGraph& graph, const MotionClip& clip) {
   return report;
 }
 
-// Methods that go frame by frame.
+// Methods that go frame by frame, but for whole recordings of olng, of which the future is known.
 template <typename Model, typename Estimator>
 class StreamReconstructor : public Reconstructor {
  public:
@@ -75,13 +77,18 @@ class StreamReconstructor : public Reconstructor {
 
   Reconstruction Run(const Eigen::MatrixXd& readings) const override {
     if (readings.cols() == 0) throw std::invalid_argument("Reconstructor: no readings");
-    const std::unique_ptr<PoseEstimator> stream = Start();
     std::vector<BasePose> poses;
     std::vector<double> times_ms;
-    for (Eigen::Index f = 0; f < readings.cols(); ++f) {
+    const auto timed = [&](const auto& work) {
       const Clock::time_point start = Clock::now();
-      poses.push_back(stream->Next(readings.col(f)));
-      times_ms.push_back(MillisecondsSince(start));
+      work();
+      return MillisecondsSince(start);
+    };
+    if constexpr (std::is_same_v<Estimator, OlngEstimator>) {
+      times_ms.push_back(timed([&] { poses = ReconstructRecording(model_, readings); }) / static_cast<double>(readings.cols()));
+    } else {
+      const std::unique_ptr<PoseEstimator> stream = Start();
+      for (Eigen::Index f = 0; f < readings.cols(); ++f) times_ms.push_back(timed([&] { poses.push_back(stream->Next(readings.col(f))); }));
     }
     Reconstruction reconstruction;
     for (const double time_ms : times_ms) reconstruction.latency_ms_mean += time_ms / static_cast<double>(times_ms.size());

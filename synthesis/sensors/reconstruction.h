@@ -41,7 +41,7 @@ struct Reconstruction {
   MotionClip clip;          // from the origin facing +Z, at kReconstructionRate_hz
   SynthesisReport report;   // steps and likelihood with kGraph alone
   std::optional<double> residual_m_s2;  // of kGraph: root mean square of readings less the walk's
-  double latency_ms_mean = 0, latency_ms_p95 = 0;  // of a frame; kGraph: its share of the whole, both alike
+  double latency_ms_mean = 0, latency_ms_p95 = 0;  // of a frame; kGraph, kOlng and kOlngKernels: its share of the whole, both alike
 };
 
 /// What one method learned for sensors at given places. Immutable: streams may share it. Made from the recordings that the model keeps; where it keeps none, from
@@ -54,6 +54,7 @@ class Reconstructor {
   /// What sensors in these places read on somebody who stands. Empty with kMarkers.
   const WornSensors& worn() const { return worn_; }
   /// @param readings  (3 * sensors x frames) at kReconstructionRate_hz, finite: accelerations as MotionBase::accelerations(), or positions of markers.
+  /// kOlng and kOlngKernels look ahead as well as back (ReconstructRecording()) and so come nearer than streams; all others make of it what a stream of them would.
   /// @throws std::invalid_argument for readings that are too short (kGraph: a step; others: one frame) or of other sensors.
   virtual Reconstruction Run(const Eigen::MatrixXd& readings) const = 0;
   /// One stream, a frame in, a frame out. Null for kGraph.

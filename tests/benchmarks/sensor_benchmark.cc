@@ -39,7 +39,7 @@
 #include "datasets/resample.h"
 #include "datasets/retarget.h"
 #include "datasets/virtual_sensors.h"
-#include "synthesis/sensors/olng_estimator.h"
+#include "synthesis/sensors/olng_recording.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "tests/benchmarks/upright_rest.h"
 #include "tests/support/body_size.h"
@@ -333,14 +333,15 @@ class Study {
     for (const Split& split : splits_) bases_.push_back(std::make_shared<MotionBase>(split.training, PlacementsAtJoints(sensors), options));
   }
 
-  Outcome Try(const OlngOptions& options, const Trial& trial) {
+  // As a stream, or whole, with the future known.
+  Outcome Try(const OlngOptions& options, const Trial& trial, bool whole = false) {
     Outcome outcome;
     for (std::size_t s = 0; s < splits_.size(); ++s) {
       const auto model = std::make_shared<OlngModel>(bases_[s], options);
       for (const int i : splits_[s].tests) {
         const TestClip test = Simulated(recordings_[static_cast<std::size_t>(i)], *bases_[s], trial, static_cast<std::uint64_t>(i));
         OlngEstimator estimator(model);
-        const std::vector<BasePose> poses = Reconstruct(estimator, test.readings);
+        const std::vector<BasePose> poses = whole ? ReconstructRecording(model, test.readings) : Reconstruct(estimator, test.readings);
         const ReconstructionQuality quality = CompareWithTruth(*bases_[s], poses, test.truth);
         outcome.Add(quality);
         outcome.kinds[recordings_[static_cast<std::size_t>(i)].folder].Add(quality);
@@ -470,6 +471,9 @@ void PlainRows(Study& study, const OlngOptions& options) {
   Print("olng", olng, nearest.mean());
   PrintKinds(olng, nearest);
   PrintLike(olng, bound);
+  const Outcome whole = study.Try(options, {}, true);
+  Print("olng, whole recordings: readings to come tell as well", whole, nearest.mean());
+  PrintKinds(whole, nearest);
 }
 
 // Every clip tried once.
@@ -477,13 +481,15 @@ void FoldRows(Study& study, const OlngOptions& options) {
   PrintHead("every clip, out of the base");
   const Outcome nearest = study.Nearest({});
   Print("nearest neighbour, no paths", nearest, nearest.mean());
-  const Outcome olng = study.Try(options, {});
-  Print("olng", olng, nearest.mean());
-  PrintKinds(olng, nearest);
-  if (olng.alone.frames == 0) return;
-  const auto count = [](const Errors& errors) { return std::to_string(errors.clip_means_cm.size()) + " clips "; };
-  Print("  " + count(olng.with_like) + "that are not alone of their folder and style", olng.with_like, nearest.with_like.mean());
-  Print("  " + count(olng.alone) + "that are", olng.alone, nearest.alone.mean());
+  for (const bool whole : {false, true}) {
+    const Outcome olng = study.Try(options, {}, whole);
+    Print(whole ? "olng, whole recordings: readings to come tell as well" : "olng", olng, nearest.mean());
+    PrintKinds(olng, nearest);
+    if (olng.alone.frames == 0) continue;
+    const auto count = [](const Errors& errors) { return std::to_string(errors.clip_means_cm.size()) + " clips "; };
+    Print("  " + count(olng.with_like) + "that are not alone of their folder and style", olng.with_like, nearest.with_like.mean());
+    Print("  " + count(olng.alone) + "that are", olng.alone, nearest.alone.mean());
+  }
 }
 
 void PriorRows(Study& study, const OlngOptions& options) {

@@ -1,4 +1,4 @@
-#include "synthesis/sensors/olng_estimator.h"
+#include "synthesis/sensors/olng_recording.h"
 
 #include <gtest/gtest.h>
 
@@ -224,6 +224,60 @@ TEST(OlngEstimator, CopiesOfOtherTemposFindASlowerWalk) {
   for (Eigen::Index f = 0; f < readings.cols(); ++f) poses.push_back(estimator.Next(readings.col(f)));
   const double with = CompareWithTruth(*retimed, poses, slower).position_rms_cm, without = CompareWithTruth(*shared.base, RunOlng(readings, {}), slower).position_rms_cm;
   EXPECT_LT(with, 0.9 * without) << with << " and " << without;
+}
+
+TEST(OlngEstimator, TheFirstPosesOfAStreamHardlyBindTheNext) {
+  // Readings that begin with two frames of another moment of the walk: a pose that goes on from there as if it were sure of it stays behind.
+  const Eigen::MatrixXd readings = OlngShared().Read(OlngShared().known);
+  Eigen::MatrixXd torn = readings.middleCols(20, 40);
+  torn.leftCols(2) = readings.middleCols(40, 2);
+  const std::vector<BasePose> after_wrong = RunOlng(torn, {});
+  const std::vector<BasePose> truth = PosesOf(*OlngShared().base, OlngShared().known);
+  const auto off_cm = [&](std::size_t f) {
+    const Eigen::VectorXd off = MeasuredPositions(*OlngShared().base, after_wrong[f].rotations) - MeasuredPositions(*OlngShared().base, truth[20 + f].rotations);
+    return 100 * std::sqrt(off.squaredNorm() / static_cast<double>(off.size() / 3));
+  };
+  EXPECT_GT(off_cm(1), 5);
+  EXPECT_LT(off_cm(3), 0.7);
+}
+
+TEST(OlngRecording, LooksAheadAndIsNoLoser) {
+  const auto model = std::make_shared<OlngModel>(OlngShared().base, OlngOptions());
+  // From the middle of a step on: all walks begin alike.
+  const MotionClip truth = OlngShared().test.Slice(28, OlngShared().test.frame_count() - 28);
+  const Eigen::MatrixXd readings = OlngShared().Read(truth);
+  const std::vector<BasePose> whole = ReconstructRecording(model, readings), again = ReconstructRecording(model, readings), stream = RunOlng(readings, {});
+  ASSERT_EQ(whole.size(), static_cast<std::size_t>(readings.cols()));
+  for (std::size_t f = 0; f < whole.size(); ++f) EXPECT_EQ(whole[f].rotations, again[f].rotations);
+  const ReconstructionQuality ahead = CompareWithTruth(*OlngShared().base, whole, truth), causal = CompareWithTruth(*OlngShared().base, stream, truth);
+  EXPECT_LT(ahead.position_rms_cm, causal.position_rms_cm);
+  // Where a stream can but guess, what follows tells.
+  EXPECT_LT(ahead.frame_rms_cm.front(), causal.frame_rms_cm.front());
+  // The last frame has no future: the same paths, seen from a pose before that differs a little.
+  EXPECT_NEAR(ahead.frame_rms_cm.back(), causal.frame_rms_cm.back(), 1);
+}
+
+// Blocks are seams that must not show: a recording longer than two of them, of which any reading but the last ones has its future within its own block or the next.
+TEST(OlngRecording, GoesOverItsBlocksWithoutASeam) {
+  const auto model = std::make_shared<OlngModel>(OlngShared().base, OlngOptions());
+  const Eigen::MatrixXd once = OlngShared().Read(OlngShared().test);
+  Eigen::MatrixXd readings(once.rows(), 5 * once.cols());
+  for (Eigen::Index n = 0; n < 5; ++n) readings.middleCols(n * once.cols(), once.cols()) = once;
+  ASSERT_GT(readings.cols(), 600);
+  const std::vector<BasePose> whole = ReconstructRecording(model, readings);
+  // From another reading on, the blocks begin elsewhere.
+  const Eigen::Index cut = 150;
+  const std::vector<BasePose> later = ReconstructRecording(model, readings.rightCols(readings.cols() - cut));
+  for (std::size_t f = 100; f < later.size(); ++f) {
+    EXPECT_LT((MeasuredPositions(*OlngShared().base, later[f].rotations) - MeasuredPositions(*OlngShared().base, whole[f + cut].rotations)).cwiseAbs().maxCoeff(), 0.01) << f;
+  }
+}
+
+TEST(OlngRecording, RefusesReadingsThatAreNone) {
+  const auto model = std::make_shared<OlngModel>(OlngShared().base, OlngOptions());
+  EXPECT_THROW(ReconstructRecording(model, Eigen::MatrixXd::Zero(11, 5)), std::invalid_argument);
+  EXPECT_THROW(ReconstructRecording(model, Eigen::MatrixXd::Constant(12, 5, std::nan(""))), std::invalid_argument);
+  EXPECT_TRUE(ReconstructRecording(model, Eigen::MatrixXd(12, 0)).empty());
 }
 
 TEST(OlngEstimator, RefusesReadingsThatAreNone) {
