@@ -87,7 +87,6 @@ RandomForest::RandomForest(const Eigen::MatrixXf& samples, const std::vector<cha
   booster_->Set("colsample_bynode", std::to_string(std::min(1.0, (tried + 0.01) / static_cast<double>(features_))));
   booster_->Set("tree_method", "hist");
   booster_->Set("max_bin", std::to_string(kBins));
-  booster_->Set("single_precision_histogram", "true");  // sums of halves and ones: exact
   booster_->Set("max_depth", std::to_string(options.depth));
   booster_->Set("seed", std::to_string(rng() >> 33));
   booster_->Set("nthread", "1");

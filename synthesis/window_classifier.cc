@@ -246,7 +246,7 @@ HalvedCapture::HalvedCapture(const std::vector<MotionClip>& captured, std::vecto
     halving.lengths = LengthsOf(frames, a);
     for (const int i : b) halving.against.push_back(windows.at(i));
     halving.classifier = options;
-    halving.classifier.jobs = count == 1 ? options.jobs : 1;
+    halving.classifier.jobs = std::max(1, options.jobs / count);
     halving.classifier.seed = HalvingSeed(options, h);
     Windows first;
     for (const int i : a) first.push_back(windows.at(i));

@@ -91,7 +91,7 @@ class HalvedCapture {
   WindowClassifierOptions options_;
 };
 
-/// The same for one set.
+/// The same for one set. @throws as both.
 WindowDistinction TellApart(const std::vector<MotionClip>& synthesised, const std::vector<MotionClip>& captured,
                             const WindowClassifierOptions& options = {});
 

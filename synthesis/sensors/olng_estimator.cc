@@ -57,21 +57,21 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
 }
 
 const std::vector<Neighbour>& NeighbourStream::Next(const Eigen::VectorXd& reading) {
-  const Eigen::VectorXf query = model_.scale().cwiseProduct(reading.cast<float>());
+  const Eigen::VectorXf query = model_->scale().cwiseProduct(reading.cast<float>());
   // The K frames that were nearest to the last reading are no farther from this one than then and the way between the readings together.
   float bound = std::numeric_limits<float>::infinity();
   if (query_.size() != 0) {
     const float radius = (farthest_ + (query - query_).norm()) * 1.0001F + 1e-6F;
     bound = radius * radius;
   }
-  model_.search().Nearest(query, model_.options().neighbours, &nearest_, bound);
+  model_->search().Nearest(query, model_->options().neighbours, &nearest_, bound);
   query_ = query;
   farthest_ = std::sqrt(std::max_element(nearest_.begin(), nearest_.end())->squared_distance);
   return nearest_;
 }
 
 OlngEstimator::OlngEstimator(std::shared_ptr<const OlngModel> model)
-    : model_(std::move(model)), graph_(FollowsOf(model_->base()), model_->options().graph), neighbours_(*model_) {}
+    : model_(std::move(model)), graph_(FollowsOf(model_->base()), model_->options().graph), neighbours_(model_) {}
 
 void OlngEstimator::KeepBest(std::vector<NeighbourPath> paths) {
   const OlngOptions& options = model_->options();
@@ -163,7 +163,9 @@ BasePose OlngEstimator::Next(const Eigen::VectorXd& reading) {
 
 BasePose OlngEstimator::Next(const Eigen::VectorXd& reading, std::vector<NeighbourPath> paths) {
   Check(reading);
-  if (paths.empty()) throw std::invalid_argument("OlngEstimator: no paths");
+  if (model_->options().pose == OlngPose::kNearest) throw std::invalid_argument("OlngEstimator: the nearest frame alone needs no paths");
+  const auto outside = [&](const NeighbourPath& path) { return path.frame < 0 || path.frame >= model_->base().frame_count(); };
+  if (paths.empty() || std::any_of(paths.begin(), paths.end(), outside)) throw std::invalid_argument("OlngEstimator: no paths, or one that is not of the base");
   KeepBest(std::move(paths));
   const MotionBase& base = model_->base();
   const OlngOptions& options = model_->options();

@@ -62,12 +62,12 @@ class OlngModel {
 /// Frames of the base whose readings are nearest, for one reading of a stream after the other.
 class NeighbourStream {
  public:
-  explicit NeighbourStream(const OlngModel& model) : model_(model) {}
+  explicit NeighbourStream(std::shared_ptr<const OlngModel> model) : model_(std::move(model)) {}
   /// In no particular order; valid until the next call. @param reading  (3 * sensors), finite.
   const std::vector<Neighbour>& Next(const Eigen::VectorXd& reading);
 
  private:
-  const OlngModel& model_;
+  std::shared_ptr<const OlngModel> model_;
   std::vector<Neighbour> nearest_;
   Eigen::VectorXf query_;  // the reading before; empty at first
   float farthest_ = 0;     // distance of its K-th neighbour
@@ -87,7 +87,8 @@ class OlngEstimator : public PoseEstimator {
 
   /// Poses from the first reading on. @throws std::invalid_argument for a reading of another size, or not finite.
   BasePose Next(const Eigen::VectorXd& reading) override;
-  /// The same with the paths that end in this frame told, as ReconstructRecording() finds them. @param paths  in any order, at least one.
+  /// The same with the paths that end in this frame told, as ReconstructRecording() finds them. @param paths  in any order, at least one, each ending in a frame of
+  /// the base. @throws std::invalid_argument as above, for other paths, or where the model is to take the nearest frame alone.
   BasePose Next(const Eigen::VectorXd& reading, std::vector<NeighbourPath> paths);
 
   /// The paths that the last pose was made of, best first, and their weights. Empty after kNearest.

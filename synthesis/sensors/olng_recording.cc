@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 #include <stdexcept>
+#include <string>
 
 namespace morphograph {
 namespace {
@@ -46,11 +47,14 @@ void AddWhatFollows(const OlngModel& model, const std::vector<char>& follows, Ei
 
 std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel>& model, const Eigen::MatrixXd& readings) {
   const MotionBase& base = model->base();
-  if (readings.rows() != base.accelerations().rows() || !readings.allFinite()) throw std::invalid_argument("ReconstructRecording: readings of other sensors, or not finite");
+  if (readings.rows() != base.accelerations().rows()) {
+    throw std::invalid_argument("ReconstructRecording: expected " + std::to_string(base.accelerations().rows()) + " values a reading, got " + std::to_string(readings.rows()));
+  }
+  if (!readings.allFinite()) throw std::invalid_argument("ReconstructRecording: a reading is not finite");
   if (model->options().pose == OlngPose::kNearest) throw std::invalid_argument("ReconstructRecording: the nearest frame alone needs no paths");
   const std::vector<char> backwards = FollowsIn(base, true);
   LazyNeighbourhoodGraph forward(FollowsIn(base, false), model->options().graph);
-  NeighbourStream neighbours(*model);
+  NeighbourStream neighbours(model);
   OlngEstimator estimator(model);
   const Eigen::Index ahead = kWindowsAhead * model->options().graph.window_frames;
 

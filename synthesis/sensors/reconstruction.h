@@ -54,7 +54,7 @@ class Reconstructor {
   /// What sensors in these places read on somebody who stands. Empty with kMarkers.
   const WornSensors& worn() const { return worn_; }
   /// @param readings  (3 * sensors x frames) at kReconstructionRate_hz, finite: accelerations as MotionBase::accelerations(), or positions of markers.
-  /// kOlng and kOlngKernels look ahead as well as back (ReconstructRecording()) and so come nearer than streams; all others make of it what a stream of them would.
+  /// kOlng and kOlngKernels look ahead as well as back (ReconstructRecording()) and so come nearer than streams; the others but kGraph make of it what a stream of them would.
   /// @throws std::invalid_argument for readings that are too short (kGraph: a step; others: one frame) or of other sensors.
   virtual Reconstruction Run(const Eigen::MatrixXd& readings) const = 0;
   /// One stream, a frame in, a frame out. Null for kGraph.

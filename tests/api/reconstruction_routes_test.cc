@@ -245,7 +245,7 @@ TEST_F(ReconstructionRoutesTest, RefusesWhatItCannotReadOrMeet) {
   ExpectProblem(Post(request), 422, "/sensors/readings");  // every sensor is dead
 }
 
-// What goes in line by line comes out line by line, as from the whole.
+// What goes in line by line comes out line by line.
 TEST_F(ReconstructionRoutesTest, StreamsPosesForLinesOfReadings) {
   const json request = Request("olng");
   std::string body = json({{"model", "walk"}, {"method", "olng"}, {"placements", request["sensors"]["placements"]}}).dump() + "\n";

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Cholesky>
+
 #include <random>
 #include <stdexcept>
 
+#include "graph/internal/linear_map.h"
 #include "tests/support/random_matrix.h"
 
 namespace morphograph {
@@ -50,6 +53,37 @@ TEST(RidgeRegression, CopiesInOneGroupDoNotVouchForEachOther) {
   std::vector<int> together, alone;
   for (int i = 0; i < 60; ++i) together.push_back(i % 12), alone.push_back(i);
   EXPECT_LT(FitRidge(inputs, outputs, alone).noise_variance, 0.7 * FitRidge(inputs, outputs, together).noise_variance);
+}
+
+// The likelihood that ridges are chosen by is that of the N outputs together, whether there are more of them than inputs or fewer, and where inputs repeat each other.
+TEST(LinearRidges, TellTheLikelihoodOfAllPairs) {
+  std::mt19937_64 rng(31);
+  for (const auto& [inputs, pairs, repeats] : {std::tuple{4, 30, false}, std::tuple{30, 12, false}, std::tuple{6, 40, true}, std::tuple{12, 12, false}}) {
+    Eigen::MatrixXd x = testing::RandomNormal(inputs, pairs, rng);
+    if (repeats) x.bottomRows(3) = 2 * x.topRows(3);
+    const Eigen::MatrixXd y = testing::RandomNormal(2, inputs, rng) * x + 0.7 * testing::RandomNormal(2, pairs, rng);
+    const internal::LinearRidges ridges = internal::SearchLinearRidges(x, y);
+    double expected = 0;
+    for (Eigen::Index e = 0; e < 2; ++e) {
+      Eigen::MatrixXd covariance = ridges.noise_variance[e] / ridges.ridge[e] * (x.transpose() * x);
+      covariance.diagonal().array() += ridges.noise_variance[e];
+      const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+      expected -= 0.5 * y.row(e) * llt.solve(y.row(e).transpose()) + llt.matrixLLT().diagonal().array().log().sum() + 0.5 * pairs * std::log(2 * M_PI);
+    }
+    EXPECT_NEAR(ridges.log_likelihood, expected, 1e-6 * std::abs(expected)) << inputs << " inputs, " << pairs << " pairs";
+    // No other ridge says the pairs better.
+    for (const double factor : {0.8, 1.25}) {
+      double other = 0;
+      for (Eigen::Index e = 0; e < 2; ++e) {
+        Eigen::MatrixXd covariance = x.transpose() * x;
+        covariance.diagonal().array() += factor * ridges.ridge[e];
+        const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
+        const double scale = y.row(e).dot(llt.solve(y.row(e).transpose())) / pairs;
+        other -= 0.5 * pairs * (std::log(scale) + 1 + std::log(2 * M_PI)) + llt.matrixLLT().diagonal().array().log().sum();
+      }
+      EXPECT_LE(other, ridges.log_likelihood + 1e-5 * std::abs(expected)) << inputs << " inputs, " << pairs << " pairs";
+    }
+  }
 }
 
 TEST(RidgeRegression, RefusesWhatDoesNotFit) {
