@@ -45,6 +45,7 @@ class TrainingServer {
     app_.service.training = &*training_;
     app_.Start();
   }
+  ~TrainingServer() { app_.Stop(); }
   RawResponse Submit(const std::string& body, const std::string& headers = kMultipart) {
     return Ask(app_.port, "POST", "/v1/models", headers, body);
   }

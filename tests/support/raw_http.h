@@ -17,6 +17,9 @@
 
 namespace morphograph::testing {
 
+/// How long an answer is waited for: a bound on what hangs, which leaves a sanitizer its time.
+inline constexpr int kPatience_ms = 180'000;
+
 /// An answer as it came over the wire; header names in lower case.
 struct RawResponse {
   int status = 0;
@@ -52,7 +55,7 @@ class RawConnection {
   }
 
   /// Reads one whole answer; empty when the connection ends or `timeout_ms` passes first.
-  std::optional<RawResponse> Read(int timeout_ms = 60'000, bool head_only = false) {
+  std::optional<RawResponse> Read(int timeout_ms = kPatience_ms, bool head_only = false) {
     std::size_t end;
     while ((end = pending_.find("\r\n\r\n")) == std::string::npos)
       if (!Fill(timeout_ms)) return std::nullopt;
@@ -74,7 +77,7 @@ class RawConnection {
   }
 
   /// Reads on until `text` has come; what was found, or else all that came.
-  std::string ReadSome(const std::string& text, int timeout_ms = 60'000) {
+  std::string ReadSome(const std::string& text, int timeout_ms = kPatience_ms) {
     while (pending_.find(text) == std::string::npos)
       if (!Fill(timeout_ms)) return pending_;
     return text;
@@ -141,7 +144,7 @@ inline RawResponse Ask(int port, const std::string& method, const std::string& t
   std::string text = method + " " + target + " HTTP/1.1\r\nHost: test\r\nConnection: close\r\n" + headers;
   if (!body.empty()) text += "Content-Length: " + std::to_string(body.size()) + "\r\n";
   connection.Send(text + "\r\n" + body);
-  return connection.Read(60'000, method == "HEAD").value_or(RawResponse{});
+  return connection.Read(kPatience_ms, method == "HEAD").value_or(RawResponse{});
 }
 
 }  // namespace morphograph::testing

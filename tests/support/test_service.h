@@ -25,10 +25,13 @@ class TestService {
     port = server_->Bind();
     thread_ = std::thread([this] { server_->Run(); });
   }
-  ~TestService() {
-    if (!server_) return;
+  ~TestService() { Stop(); }
+  /// Answers no more. Before what it serves ends; a second time it does nothing.
+  void Stop() {
+    if (!thread_.joinable()) return;
     server_->Stop();
     thread_.join();
+    server_.reset();
   }
   TestService(const TestService&) = delete;
   TestService& operator=(const TestService&) = delete;
