@@ -13,12 +13,6 @@ namespace {
 
 constexpr double kNeighbourShare = 0.0075, kPathShare = 0.00025;
 
-std::vector<char> FollowsOf(const MotionBase& base) {
-  std::vector<char> follows(static_cast<std::size_t>(base.frame_count()));
-  for (Eigen::Index f = 0; f < base.frame_count(); ++f) follows[static_cast<std::size_t>(f)] = base.follows(f);
-  return follows;
-}
-
 constexpr double kLeastNeighbours = 256, kMostNeighbours = 4096, kLeastPaths = 24, kMostPaths = 256;
 
 }  // namespace
@@ -56,6 +50,15 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
   }
 }
 
+std::vector<char> OlngModel::Follows(bool backwards) const {
+  const Eigen::Index frames = base_->frame_count();
+  std::vector<char> follows(static_cast<std::size_t>(frames), 0);
+  for (Eigen::Index f = 0; f < frames; ++f) {
+    if (base_->follows(f)) follows[static_cast<std::size_t>(backwards ? frames - f : f)] = 1;
+  }
+  return follows;
+}
+
 const std::vector<Neighbour>& NeighbourStream::Next(const Eigen::VectorXd& reading) {
   const Eigen::VectorXf query = model_->scale().cwiseProduct(reading.cast<float>());
   // The K frames that were nearest to the last reading are no farther from this one than then and the way between the readings together.
@@ -71,7 +74,7 @@ const std::vector<Neighbour>& NeighbourStream::Next(const Eigen::VectorXd& readi
 }
 
 OlngEstimator::OlngEstimator(std::shared_ptr<const OlngModel> model)
-    : model_(std::move(model)), graph_(FollowsOf(model_->base()), model_->options().graph), neighbours_(model_) {}
+    : model_(std::move(model)), graph_(model_->Follows(false), model_->options().graph), neighbours_(model_) {}
 
 void OlngEstimator::KeepBest(std::vector<NeighbourPath> paths) {
   const OlngOptions& options = model_->options();

@@ -46,6 +46,8 @@ class OlngModel {
   const NeighbourSearch& search() const { return *search_; }
   /// What readings are multiplied with before they are compared, (3 * sensors).
   const Eigen::VectorXf& scale() const { return scale_; }
+  /// For every frame of the base whether the one before it is of the same clip, as LazyNeighbourhoodGraph wants it; backwards: frames numbered from the end.
+  std::vector<char> Follows(bool backwards) const;
   /// Joints next to sensors, as places in the base's measured joints, each once.
   const std::vector<int>& controlled() const { return controlled_; }
   /// The sensor of each of these.

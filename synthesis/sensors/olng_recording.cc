@@ -18,17 +18,6 @@ struct OlngColumn {
   std::vector<NeighbourPath> paths;
 };
 
-// Frames of the base as they are, or numbered from its end.
-std::vector<char> FollowsIn(const MotionBase& base, bool backwards) {
-  const Eigen::Index frames = base.frame_count();
-  std::vector<char> follows(static_cast<std::size_t>(frames), 0);
-  for (Eigen::Index f = 0; f < frames; ++f) {
-    if (!base.follows(f)) continue;
-    follows[static_cast<std::size_t>(backwards ? frames - f : f)] = 1;
-  }
-  return follows;
-}
-
 // Adds what going on from each of the first `count` columns costs to the paths that end there.
 void AddWhatFollows(const OlngModel& model, const std::vector<char>& follows, Eigen::Index count, std::deque<OlngColumn>* columns) {
   LazyNeighbourhoodGraph graph(follows, model.options().graph);
@@ -52,8 +41,8 @@ std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel
   }
   if (!readings.allFinite()) throw std::invalid_argument("ReconstructRecording: a reading is not finite");
   if (model->options().pose == OlngPose::kNearest) throw std::invalid_argument("ReconstructRecording: the nearest frame alone needs no paths");
-  const std::vector<char> backwards = FollowsIn(base, true);
-  LazyNeighbourhoodGraph forward(FollowsIn(base, false), model->options().graph);
+  const std::vector<char> backwards = model->Follows(true);
+  LazyNeighbourhoodGraph forward(model->Follows(false), model->options().graph);
   NeighbourStream neighbours(model);
   OlngEstimator estimator(model);
   const Eigen::Index ahead = kWindowsAhead * model->options().graph.window_frames;

@@ -254,7 +254,7 @@ TEST(OlngRecording, LooksAheadAndIsNoLoser) {
   // Where a stream can but guess, what follows tells.
   EXPECT_LT(ahead.frame_rms_cm.front(), causal.frame_rms_cm.front());
   // The last frame has no future: the same paths, seen from a pose before that differs a little.
-  EXPECT_NEAR(ahead.frame_rms_cm.back(), causal.frame_rms_cm.back(), 1);
+  EXPECT_NEAR(ahead.frame_rms_cm.back(), causal.frame_rms_cm.back(), 0.1);
 }
 
 // Blocks are seams that must not show. Walks of all speeds, one after the other: what comes next is not what was.
@@ -272,7 +272,7 @@ TEST(OlngRecording, GoesOverItsBlocksWithoutASeam) {
   const std::vector<BasePose> later = ReconstructRecording(model, readings.rightCols(frames - cut));
   double farthest = 0;
   for (std::size_t f = 150; f < later.size(); ++f) farthest = std::max(farthest, (later[f].rotations - whole[f + cut].rotations).cwiseAbs().maxCoeff());
-  EXPECT_LT(farthest, 0.002);  // rad
+  EXPECT_LT(farthest, 1e-4);  // rad; what the look-ahead leaves out
 }
 
 TEST(OlngRecording, RefusesReadingsThatAreNone) {
