@@ -20,6 +20,9 @@ struct NeighbourPath {
   float cost = 0;
 };
 
+/// Order of paths by cost, and by frame where costs are the same.
+inline bool IsCheaper(const NeighbourPath& a, const NeighbourPath& b) { return a.cost != b.cost ? a.cost < b.cost : a.frame < b.frame; }
+
 /// Online lazy neighbourhood graph (Tautges et al. 2011, section 4): joins nearest neighbours of one reading after the other to paths through the base.
 ///
 /// Nodes are the K nearest frames of a reading. A path goes on from (reading, frame) to (+1, +1), (+1, +2) or (+2, +1): forwards in time, never more than twice

@@ -3,13 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <stdexcept>
-#include <string>
+#include <utility>
+
+#include "synthesis/sensors/path_poser.h"
 
 namespace morphograph {
 namespace {
 
-constexpr Eigen::Index kOlngBlock = 256;   // readings whose poses are made at a time
+constexpr Eigen::Index kOlngBlock = 256;   // readings whose paths are made whole at a time
 constexpr Eigen::Index kWindowsAhead = 8;   // looked ahead: what is farther counts less than a thousandth
 
 // A reading's neighbours and the paths that end in them, in the same order.
@@ -28,30 +29,34 @@ void AddWhatFollows(const OlngModel& model, const std::vector<char>& follows, Ei
     for (Neighbour& neighbour : mirrored) neighbour.index = last - neighbour.index;
     const std::vector<NeighbourPath>& onwards = graph.Update(mirrored);
     if (static_cast<Eigen::Index>(t) >= count) continue;
-    for (std::size_t i = 0; i < onwards.size(); ++i) column.paths[i].cost += onwards[i].cost - std::sqrt(column.nearest[i].squared_distance);
+    for (std::size_t i = 0; i < onwards.size(); ++i) {
+      column.paths[i].cost += onwards[i].cost - std::sqrt(column.nearest[i].squared_distance);
+      column.paths[i].tempo = 0.5F * (column.paths[i].tempo + onwards[i].tempo);
+    }
   }
 }
 
-}  // namespace
+// Paths that can come into a pose: the I of least cost and the next, which their weights are measured from.
+void KeepCheapest(const OlngModel& model, std::vector<NeighbourPath>* paths) {
+  const auto count = static_cast<std::size_t>(model.options().paths) + 1;
+  if (paths->size() <= count) return;
+  std::nth_element(paths->begin(), paths->begin() + static_cast<std::ptrdiff_t>(count), paths->end(), IsCheaper);
+  paths->resize(count);
+  paths->shrink_to_fit();
+}
 
-std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel>& model, const Eigen::MatrixXd& readings) {
-  const MotionBase& base = model->base();
-  if (readings.rows() != base.accelerations().rows()) {
-    throw std::invalid_argument("ReconstructRecording: expected " + std::to_string(base.accelerations().rows()) + " values a reading, got " + std::to_string(readings.rows()));
-  }
-  if (!readings.allFinite()) throw std::invalid_argument("ReconstructRecording: a reading is not finite");
-  if (model->options().pose == OlngPose::kNearest) throw std::invalid_argument("ReconstructRecording: the nearest frame alone needs no paths");
+// The best paths of every reading, each counted whole: what comes before its frame and what comes after.
+std::vector<std::vector<NeighbourPath>> PathsOf(const std::shared_ptr<const OlngModel>& model, const Eigen::MatrixXd& readings) {
   const std::vector<char> backwards = model->Follows(true);
   LazyNeighbourhoodGraph forward(model->Follows(false), model->options().graph);
   NeighbourStream neighbours(model);
-  OlngEstimator estimator(model);
   const Eigen::Index ahead = kWindowsAhead * model->options().graph.window_frames;
 
-  std::vector<BasePose> poses;
-  std::deque<OlngColumn> columns;  // of the readings from the first whose pose is not made yet
+  std::vector<std::vector<NeighbourPath>> paths;
+  std::deque<OlngColumn> columns;  // of the readings from the first whose paths are not whole yet
   Eigen::Index read = 0;
-  while (static_cast<Eigen::Index>(poses.size()) < readings.cols()) {
-    const auto begin = static_cast<Eigen::Index>(poses.size());
+  while (static_cast<Eigen::Index>(paths.size()) < readings.cols()) {
+    const auto begin = static_cast<Eigen::Index>(paths.size());
     for (; read < std::min(readings.cols(), begin + kOlngBlock + ahead); ++read) {
       OlngColumn& column = columns.emplace_back();
       column.nearest = neighbours.Next(readings.col(read));
@@ -60,10 +65,27 @@ std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel
     const Eigen::Index count = std::min(kOlngBlock, readings.cols() - begin);
     AddWhatFollows(*model, backwards, count, &columns);
     for (Eigen::Index i = 0; i < count; ++i) {
-      poses.push_back(estimator.Next(readings.col(begin + i), std::move(columns.front().paths)));
+      KeepCheapest(*model, &columns.front().paths);
+      paths.push_back(std::move(columns.front().paths));
       columns.pop_front();
     }
   }
+  return paths;
+}
+
+BasePose Between(const BasePose& a, const BasePose& b) {
+  return {.rotations = 0.5 * (a.rotations + b.rotations), .step = 0.5 * (a.step + b.step), .height_m = 0.5 * (a.height_m + b.height_m)};
+}
+
+}  // namespace
+
+std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel>& model, const Eigen::MatrixXd& readings) {
+  for (Eigen::Index t = 0; t < readings.cols(); ++t) model->Check(readings.col(t));
+  PathPoser forwards(model, TimeDirection::kForwards), backwards(model, TimeDirection::kBackwards);
+  const std::vector<std::vector<NeighbourPath>> paths = PathsOf(model, readings);
+  std::vector<BasePose> poses(paths.size());
+  for (std::size_t t = 0; t < paths.size(); ++t) poses[t] = forwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]);
+  for (std::size_t t = paths.size(); t-- > 0;) poses[t] = Between(poses[t], backwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]));
   return poses;
 }
 

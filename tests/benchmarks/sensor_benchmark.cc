@@ -39,6 +39,7 @@
 #include "datasets/resample.h"
 #include "datasets/retarget.h"
 #include "datasets/virtual_sensors.h"
+#include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/olng_recording.h"
 #include "synthesis/sensors/reconstruction_quality.h"
 #include "tests/benchmarks/upright_rest.h"
@@ -399,8 +400,8 @@ class Study {
         for (const BasePose& truth : PosesOf(base, test.truth)) {
           estimator.Next(test.readings.col(static_cast<Eigen::Index>(poses.size())));
           const Eigen::VectorXf wanted = MeasuredPositions(base, truth.rotations).cast<float>();
-          int best = estimator.best_paths().front().frame;
-          for (const NeighbourPath& path : estimator.best_paths())
+          int best = estimator.poser()->best_paths().front().frame;
+          for (const NeighbourPath& path : estimator.poser()->best_paths())
             if ((base.positions().col(path.frame) - wanted).squaredNorm() < (base.positions().col(best) - wanted).squaredNorm()) best = path.frame;
           poses.push_back(base.Pose(best));
         }

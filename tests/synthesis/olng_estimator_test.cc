@@ -1,3 +1,4 @@
+#include "synthesis/sensors/olng_estimator.h"
 #include "synthesis/sensors/olng_recording.h"
 
 #include <gtest/gtest.h>
@@ -253,8 +254,56 @@ TEST(OlngRecording, LooksAheadAndIsNoLoser) {
   EXPECT_LT(ahead.position_rms_cm, causal.position_rms_cm);
   // Where a stream can but guess, what follows tells.
   EXPECT_LT(ahead.frame_rms_cm.front(), causal.frame_rms_cm.front());
-  // The last frame has no future: the same paths, seen from a pose before that differs a little.
-  EXPECT_NEAR(ahead.frame_rms_cm.back(), causal.frame_rms_cm.back(), 0.1);
+}
+
+MotionClip PlayedBackwards(const MotionClip& clip) {
+  MotionClip backwards(clip.shared_skeleton(), clip.frame_rate_hz(), clip.frame_count());
+  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(clip.frame_count() - 1 - f), clip.joint_count(), &backwards.rotation(f, 0));
+  backwards.root_positions() = clip.root_positions().rowwise().reverse();
+  return backwards;
+}
+
+TEST(OlngRecording, FavoursNoDirectionOfTime) {
+  // Accelerations are the same when time goes the other way.
+  std::vector<MotionClip> walks = OlngWalks();
+  const MotionClip test = walks[4];
+  walks.erase(walks.begin() + 4);
+  for (MotionClip& walk : walks) walk = PlayedBackwards(walk);
+  const auto base = std::make_shared<MotionBase>(walks, OlngShared().base->sensors(), MotionBaseOptions());
+  const Eigen::MatrixXd readings = OlngShared().Read(test);
+  ASSERT_LT(readings.cols(), 256);  // one block: all that comes is known, as all that was
+  for (const PriorKind kind : {PriorKind::kGaussian, PriorKind::kKernel}) {
+    OlngOptions options;
+    options.energy.kind = kind;
+    const std::vector<BasePose> poses = ReconstructRecording(std::make_shared<OlngModel>(OlngShared().base, options), readings);
+    const std::vector<BasePose> backwards = ReconstructRecording(std::make_shared<OlngModel>(base, options), readings.rowwise().reverse());
+    double farthest = 0, moved = 0;
+    for (std::size_t f = 0; f < poses.size(); ++f) {
+      farthest = std::max(farthest, (poses[f].rotations - backwards[poses.size() - 1 - f].rotations).cwiseAbs().maxCoeff());
+      moved = std::max(moved, (poses[f].rotations - poses[0].rotations).cwiseAbs().maxCoeff());
+    }
+    EXPECT_GT(moved, 0.3);
+    EXPECT_LT(farthest, 1e-5);  // rad
+  }
+}
+
+TEST(PathPoser, RefusesPathsThatAreNone) {
+  const auto model = std::make_shared<OlngModel>(OlngShared().base, OlngOptions());
+  PathPoser poser(model);
+  const Eigen::VectorXd reading = OlngShared().Read(OlngShared().known).col(0);
+  EXPECT_THROW(poser.Next(reading, {}), std::invalid_argument);
+  EXPECT_THROW(poser.Next(reading, {{.frame = -1}}), std::invalid_argument);
+  EXPECT_THROW(poser.Next(reading, {{.frame = static_cast<int>(model->base().frame_count())}}), std::invalid_argument);
+  EXPECT_THROW(poser.Next(reading.head(9), {{.frame = 0}}), std::invalid_argument);
+  // The first and the last frame of the base: nothing comes before, or after.
+  for (const TimeDirection direction : {TimeDirection::kForwards, TimeDirection::kBackwards}) {
+    PathPoser at_the_ends(model, direction);
+    for (int n = 0; n < 3; ++n)
+      EXPECT_TRUE(at_the_ends.Next(reading, {{.frame = 0}, {.frame = static_cast<int>(model->base().frame_count()) - 1}}).rotations.allFinite());
+  }
+  OlngOptions nearest;
+  nearest.pose = OlngPose::kNearest;
+  EXPECT_THROW(PathPoser(std::make_shared<OlngModel>(OlngShared().base, nearest)), std::invalid_argument);
 }
 
 // Blocks are seams that must not show. Walks of all speeds, one after the other: what comes next is not what was.
