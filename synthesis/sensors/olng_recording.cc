@@ -73,8 +73,9 @@ std::vector<std::vector<NeighbourPath>> PathsOf(const std::shared_ptr<const Olng
   return paths;
 }
 
-BasePose Between(const BasePose& a, const BasePose& b) {
-  return {.rotations = 0.5 * (a.rotations + b.rotations), .step = 0.5 * (a.step + b.step), .height_m = 0.5 * (a.height_m + b.height_m)};
+// `share` of the way from one pose to the other.
+BasePose Between(const BasePose& a, const BasePose& b, double share) {
+  return {.rotations = a.rotations + share * (b.rotations - a.rotations), .step = a.step + share * (b.step - a.step), .height_m = a.height_m + share * (b.height_m - a.height_m)};
 }
 
 }  // namespace
@@ -84,8 +85,16 @@ std::vector<BasePose> ReconstructRecording(const std::shared_ptr<const OlngModel
   PathPoser forwards(model, TimeDirection::kForwards), backwards(model, TimeDirection::kBackwards);
   const std::vector<std::vector<NeighbourPath>> paths = PathsOf(model, readings);
   std::vector<BasePose> poses(paths.size());
-  for (std::size_t t = 0; t < paths.size(); ++t) poses[t] = forwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]);
-  for (std::size_t t = paths.size(); t-- > 0;) poses[t] = Between(poses[t], backwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]));
+  // Each direction counts as far as its pose before was trusted: not at all where it begins.
+  std::vector<double> trusts(paths.size());
+  for (std::size_t t = 0; t < paths.size(); ++t) {
+    trusts[t] = forwards.trust();
+    poses[t] = forwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]);
+  }
+  for (std::size_t t = paths.size(); t-- > 0;) {
+    const double trust = backwards.trust(), both = trusts[t] + trust;
+    poses[t] = Between(poses[t], backwards.Next(readings.col(static_cast<Eigen::Index>(t)), paths[t]), both > 0 ? trust / both : 0.5);
+  }
   return poses;
 }
 

@@ -31,6 +31,8 @@ class PathPoser {
   /// The paths that the last pose was made of, best first, and their weights.
   const std::vector<NeighbourPath>& best_paths() const { return best_; }
   const Eigen::VectorXd& weights() const { return weights_; }
+  /// How far the next pose will go by those made before, in [0, 1): 0 at first.
+  double trust() const { return trust_; }
 
  private:
   void KeepBest(std::vector<NeighbourPath> paths);
