@@ -132,4 +132,13 @@ MotionClip Retimed(const MotionClip& clip, double frame_rate_hz) {
   return played;
 }
 
+MotionClip Reversed(const MotionClip& clip) {
+  MotionClip reversed(clip.shared_skeleton(), clip.frame_rate_hz(), clip.frame_count());
+  reversed.name = clip.name;
+  reversed.style = clip.style;
+  for (int f = 0; f < clip.frame_count(); ++f) std::copy_n(clip.rotations(clip.frame_count() - 1 - f), clip.joint_count(), &reversed.rotation(f, 0));
+  reversed.root_positions() = clip.root_positions().rowwise().reverse();
+  return reversed;
+}
+
 }  // namespace morphograph

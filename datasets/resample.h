@@ -25,4 +25,7 @@ MotionClip Resample(const MotionClip& clip, double frame_rate_hz,
 /// @throws std::invalid_argument when the rate is not positive.
 MotionClip Retimed(const MotionClip& clip, double frame_rate_hz);
 
+/// The clip played backwards.
+MotionClip Reversed(const MotionClip& clip);
+
 }  // namespace morphograph

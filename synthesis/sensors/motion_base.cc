@@ -19,16 +19,6 @@ constexpr int kFewestFrames = 5;
 constexpr double kStill_rad = 1e-4;
 constexpr double kNoBone_m = 1e-6;
 
-MotionClip Reversed(const MotionClip& clip) {
-  MotionClip reversed(clip.shared_skeleton(), clip.frame_rate_hz(), clip.frame_count());
-  for (int f = 0; f < clip.frame_count(); ++f) {
-    const int other = clip.frame_count() - 1 - f;
-    std::copy_n(clip.rotations(other), clip.joint_count(), &reversed.rotation(f, 0));
-    reversed.root_positions().col(f) = clip.root_positions().col(other);
-  }
-  return reversed;
-}
-
 // The clip at the base's rate and its copies, those of its own tempo first; empty where it is too short.
 struct ClipCopies {
   std::vector<MotionClip> clips;

@@ -1,12 +1,11 @@
 #include "synthesis/sensors/olng_estimator.h"
 
-#include <stdexcept>
 #include <utility>
 
 namespace morphograph {
 
 OlngEstimator::OlngEstimator(std::shared_ptr<const OlngModel> model)
-    : model_(std::move(model)), graph_(model_->Follows(false), model_->options().graph), neighbours_(model_) {
+    : model_(std::move(model)), graph_(model_->Follows(TimeDirection::kForwards), model_->options().graph), neighbours_(model_) {
   if (model_->options().pose != OlngPose::kNearest) poser_.emplace(model_);
 }
 

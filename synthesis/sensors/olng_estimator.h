@@ -4,6 +4,7 @@
 #include <optional>
 #include <vector>
 
+#include "synthesis/sensors/neighbour_stream.h"
 #include "synthesis/sensors/olng_model.h"
 #include "synthesis/sensors/path_poser.h"
 #include "synthesis/sensors/pose_estimator.h"

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "datasets/virtual_sensors.h"
 
@@ -11,7 +12,6 @@ namespace morphograph {
 namespace {
 
 constexpr double kNeighbourShare = 0.0075, kPathShare = 0.00025;
-
 constexpr double kLeastNeighbours = 256, kMostNeighbours = 4096, kLeastPaths = 24, kMostPaths = 256;
 
 }  // namespace
@@ -49,11 +49,11 @@ OlngModel::OlngModel(std::shared_ptr<const MotionBase> base, const OlngOptions& 
   }
 }
 
-std::vector<char> OlngModel::Follows(bool backwards) const {
+std::vector<char> OlngModel::Follows(TimeDirection direction) const {
   const Eigen::Index frames = base_->frame_count();
   std::vector<char> follows(static_cast<std::size_t>(frames), 0);
   for (Eigen::Index f = 0; f < frames; ++f) {
-    if (base_->follows(f)) follows[static_cast<std::size_t>(backwards ? frames - f : f)] = 1;
+    if (base_->follows(f)) follows[static_cast<std::size_t>(direction == TimeDirection::kBackwards ? frames - f : f)] = 1;
   }
   return follows;
 }
@@ -62,20 +62,6 @@ void OlngModel::Check(const Eigen::VectorXd& reading) const {
   const Eigen::Index wanted = base_->accelerations().rows();
   if (reading.size() != wanted) throw std::invalid_argument("OlngModel: expected " + std::to_string(wanted) + " values a reading, got " + std::to_string(reading.size()));
   if (!reading.allFinite()) throw std::invalid_argument("OlngModel: a reading is not finite");
-}
-
-const std::vector<Neighbour>& NeighbourStream::Next(const Eigen::VectorXd& reading) {
-  const Eigen::VectorXf query = model_->scale().cwiseProduct(reading.cast<float>());
-  // The K frames that were nearest to the last reading are no farther from this one than then and the way between the readings together.
-  float bound = std::numeric_limits<float>::infinity();
-  if (query_.size() != 0) {
-    const float radius = (farthest_ + (query - query_).norm()) * 1.0001F + 1e-6F;
-    bound = radius * radius;
-  }
-  model_->search().Nearest(query, model_->options().neighbours, &nearest_, bound);
-  query_ = query;
-  farthest_ = std::sqrt(std::max_element(nearest_.begin(), nearest_.end())->squared_distance);
-  return nearest_;
 }
 
 }  // namespace morphograph

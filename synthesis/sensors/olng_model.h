@@ -32,6 +32,9 @@ struct OlngOptions {
   NeighbourhoodEnergyOptions energy;
 };
 
+/// Which way time goes while paths are joined or poses made, one after the other.
+enum class TimeDirection { kForwards, kBackwards };
+
 /// What the method knows: the base and an index of its readings. Immutable; may serve several streams at once.
 class OlngModel {
  public:
@@ -45,8 +48,8 @@ class OlngModel {
   const NeighbourSearch& search() const { return *search_; }
   /// What readings are multiplied with before they are compared, (3 * sensors).
   const Eigen::VectorXf& scale() const { return scale_; }
-  /// For every frame of the base whether the one before it is of the same clip, as LazyNeighbourhoodGraph wants it; backwards: frames numbered from the end.
-  std::vector<char> Follows(bool backwards) const;
+  /// For every frame of the base whether the one before it is of the same clip, as LazyNeighbourhoodGraph wants it; backwards: frames are numbered from the end.
+  std::vector<char> Follows(TimeDirection direction) const;
   /// Joints next to sensors, as places in the base's measured joints, each once.
   const std::vector<int>& controlled() const { return controlled_; }
   /// The sensor of each of these.
@@ -60,20 +63,6 @@ class OlngModel {
   Eigen::VectorXf scale_;
   std::unique_ptr<const NeighbourSearch> search_;
   std::vector<int> controlled_, controlling_;
-};
-
-/// Frames of the base whose readings are nearest, for one reading of a stream after the other.
-class NeighbourStream {
- public:
-  explicit NeighbourStream(std::shared_ptr<const OlngModel> model) : model_(std::move(model)) {}
-  /// In no particular order; valid until the next call. @param reading  (3 * sensors), finite.
-  const std::vector<Neighbour>& Next(const Eigen::VectorXd& reading);
-
- private:
-  std::shared_ptr<const OlngModel> model_;
-  std::vector<Neighbour> nearest_;
-  Eigen::VectorXf query_;  // the reading before; empty at first
-  float farthest_ = 0;     // distance of its K-th neighbour
 };
 
 }  // namespace morphograph

@@ -5,6 +5,7 @@
 #include <deque>
 #include <utility>
 
+#include "synthesis/sensors/neighbour_stream.h"
 #include "synthesis/sensors/path_poser.h"
 
 namespace morphograph {
@@ -47,8 +48,8 @@ void KeepCheapest(const OlngModel& model, std::vector<NeighbourPath>* paths) {
 
 // The best paths of every reading, each counted whole: what comes before its frame and what comes after.
 std::vector<std::vector<NeighbourPath>> PathsOf(const std::shared_ptr<const OlngModel>& model, const Eigen::MatrixXd& readings) {
-  const std::vector<char> backwards = model->Follows(true);
-  LazyNeighbourhoodGraph forward(model->Follows(false), model->options().graph);
+  const std::vector<char> backwards = model->Follows(TimeDirection::kBackwards);
+  LazyNeighbourhoodGraph forward(model->Follows(TimeDirection::kForwards), model->options().graph);
   NeighbourStream neighbours(model);
   const Eigen::Index ahead = kWindowsAhead * model->options().graph.window_frames;
 

@@ -1,9 +1,8 @@
 #include "synthesis/sensors/path_poser.h"
 
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
-#include <string>
+#include <utility>
 
 #include "datasets/virtual_sensors.h"
 #include "primitives/rotation_math.h"

@@ -7,9 +7,6 @@
 
 namespace morphograph {
 
-/// Which way time goes while poses are made one after the other.
-enum class TimeDirection { kForwards, kBackwards };
-
 /// Poses of paths through the base (Tautges et al. 2011, sections 5 and 6): each is that of least energy under priors from the ends of its best paths, of the reading and of
 /// the two poses made before; the root goes as these paths do on the average, faster or slower as they do. Backwards the poses made before are those that follow in time:
 /// differences are taken the other way, accelerations are the same.

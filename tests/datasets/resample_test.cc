@@ -148,5 +148,18 @@ TEST(Retimed, KeepsFramesAndChangesTheirTime) {
   EXPECT_THROW(Retimed(clip, 0), std::invalid_argument);
 }
 
+TEST(Reversed, BeginsAtTheEnd) {
+  const MotionClip clip = GenerateGait({});
+  const MotionClip backwards = Reversed(clip);
+  ASSERT_EQ(backwards.frame_count(), clip.frame_count());
+  EXPECT_EQ(backwards.frame_rate_hz(), clip.frame_rate_hz());
+  EXPECT_EQ(backwards.style, clip.style);
+  const int last = clip.frame_count() - 1;
+  for (const int f : {0, 1, last}) {
+    EXPECT_EQ(backwards.root_positions().col(f), clip.root_positions().col(last - f));
+    for (int j = 0; j < clip.joint_count(); ++j) EXPECT_EQ(backwards.rotation(f, j).coeffs(), clip.rotation(last - f, j).coeffs());
+  }
+}
+
 }  // namespace
 }  // namespace morphograph
